@@ -1,17 +1,4 @@
 //! The cube that encloses a cloud, and the cells its points fall into.
-//!
-//! **One lattice for all clouds.** The cells of a level with edge 2ᵏ have their corners on `2ᵏ·(n + t)`, n an integer,
-//! t ⅓ for even k and ⅔ for odd k, along each axis of scene coordinates. Every cell is then divided into eight of the
-//! next level exactly, whatever the cloud: a surface at rest falls into the same cells in every frame, although other
-//! points move, come or go, and no frame needs to know another. A cube fitted to each frame moved all cells with its
-//! farthest point.
-//!
-//! A cloud's cube is the smallest block of two lattice cells along each axis that holds it. So it grows by whole
-//! octants, its edge is one to four times the extent of the cloud, and all levels but the root's are of the lattice.
-//!
-//! **Thirds.** No f32 is a third of a power of two. So no coordinate lies on a border (unless f32 hardly resolves the
-//! cloud), and planes at round coordinates, as floors at zero, are a third of a cell away from the borders of every
-//! level: noise smaller than that does not spread them over two layers of cells.
 
 use super::{
     Aabb,
@@ -20,21 +7,16 @@ use super::{
 use fearless_simd::{Level, dispatch};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use std::ops::RangeInclusive;
 
 /// Edge of the cube around points that all coincide, in scene units, unless they lie so far out that f32 cannot tell
 /// the ends of such an edge apart.
 const LONE_EDGE: f32 = 1.0;
 
-/// Exponents of the edges of the lattice's cells that a cube may be a block of. Larger ones have no f32 as edge of the
-/// cube; the finest cells of smaller ones have no edge that is a normal f32.
-const HALF_EDGE_EXPONENTS: RangeInclusive<i32> = -105..=126;
-
 /// The cube that Morton codes and octrees divide: every cell of every level is a cube too.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cube {
-    /// Smallest corner, relative to the sequence origin. In f64, as thirds are no f32.
-    pub min: DVec3,
+    /// Smallest corner, relative to the sequence origin.
+    pub min: Vec3,
     /// Edge length; positive and finite.
     pub edge: f32,
 }
@@ -42,15 +24,15 @@ pub struct Cube {
 impl Cube {
     /// The cube of no points.
     pub const EMPTY: Self = Self {
-        min: DVec3::ZERO,
+        min: Vec3::ZERO,
         edge: LONE_EDGE,
     };
 
-    /// Returns the smallest block of two lattice cells along each axis that holds `points`; `None` for no points.
+    /// Returns the bounding cube whose smallest corner is that of the bounding box of `points` and whose edge is the
+    /// longest of the box, rounded up; `None` for no points.
     ///
     /// Points that coincide sit at the centre of a cube of edge 1 (or of 2⁻²⁰ of their distance from the origin, if
-    /// that is more). Clouds too small or too large for the lattice get the cube around their bounding box; the edge is
-    /// at most the largest f32.
+    /// that is more). A box wider than the largest f32 gets that as its edge.
     pub fn around(points: &[Vec3]) -> Option<Self> {
         Self::around_box(&Aabb::from_points(points))
     }
@@ -60,41 +42,21 @@ impl Cube {
         if bounds.is_empty() {
             return None;
         }
-        let [min, max] = [bounds.min.as_dvec3(), bounds.max.as_dvec3()];
-        let longest = (max - min).max_element();
+        let longest = (bounds.max.as_dvec3() - bounds.min.as_dvec3()).max_element();
         if longest == 0.0 {
             let edge = LONE_EDGE.max(bounds.max.abs().max_element() / (1 << 20) as f32);
             return Some(Self {
-                min: min - DVec3::splat(0.5 * f64::from(edge)),
+                min: bounds.min - Vec3::splat(0.5 * edge),
                 edge,
             });
         }
-        Some(Self::on_lattice(min, max).unwrap_or_else(|| Self::fitted(min, longest)))
-    }
-
-    /// The smallest block of lattice cells that holds a box; `None` if its edge is out of range. Precondition: the box
-    /// has a length.
-    fn on_lattice(min: DVec3, max: DVec3) -> Option<Self> {
-        // Half an edge is at least half the extent, and twice that is always enough.
-        let smallest = (max - min).max_element().log2().floor() as i32 - 1;
-        let fits = |exponent: i32| Lattice::new(exponent).block(min, max);
-        let mut exponents = smallest..=smallest + 2;
-        let (exponent, corner) = exponents.find_map(|exponent| Some((exponent, fits(exponent)?)))?;
-        HALF_EDGE_EXPONENTS.contains(&exponent).then(|| Self {
-            min: corner,
-            edge: 2f32.powi(exponent + 1),
-        })
-    }
-
-    /// The cube from the smallest corner of a box with its longest edge, rounded up.
-    fn fitted(min: DVec3, longest: f64) -> Self {
         let nearest = longest.min(f64::from(f32::MAX)) as f32;
         let edge = if f64::from(nearest) < longest {
             nearest.next_up().min(f32::MAX)
         } else {
             nearest
         };
-        Self { min, edge }
+        Some(Self { min: bounds.min, edge })
     }
 
     /// Edge of the cells of `level`.
@@ -105,13 +67,13 @@ impl Cube {
     /// Returns the centre of a cell of `level` by its integer coordinates.
     pub fn cell_center(&self, level: u32, cell: [u32; 3]) -> Vec3 {
         let cell = Vec3::from_array(cell.map(|coordinate| coordinate as f32));
-        self.min.as_vec3() + (cell + 0.5) * self.cell_edge(level)
+        self.min + (cell + 0.5) * self.cell_edge(level)
     }
 
     /// The finest cells that hold `points`. Precondition: the points this cube was made around.
     ///
     /// Cells are half-open: a point on the border of two belongs to the upper one, except for the upper faces of the
-    /// cube, which belong to the last cells. On the lattice no point is on a border.
+    /// cube, which belong to the last cells.
     pub fn cells(&self, points: &[Vec3]) -> Vec<PackedCell> {
         bytemuck::cast_vec(self.quantized::<false>(points))
     }
@@ -160,48 +122,6 @@ impl Cube {
     }
 }
 
-/// The cells of one size.
-struct Lattice {
-    edge: f64,
-    /// One of their borders, on every axis.
-    border: f64,
-    /// A border of the cells twice as long.
-    border_above: f64,
-}
-
-impl Lattice {
-    /// Cells with an edge of 2 to the power of `exponent`.
-    fn new(exponent: i32) -> Self {
-        let edge = 2f64.powi(exponent);
-        let third = edge / 3.0;
-        // Borders of one level are borders of the next finer one: 2·(n + ⅔) = (2n + 1) + ⅓ and 2·(n + ⅓) = 2n + ⅔.
-        let (border, border_above) = if exponent % 2 == 0 {
-            (third, 4.0 * third)
-        } else {
-            (2.0 * third, 2.0 * third)
-        };
-        Self {
-            edge,
-            border,
-            border_above,
-        }
-    }
-
-    /// Returns the smallest corner of two cells along each axis that hold a box: the cell of the next level where one
-    /// does. `None` if the box is in more cells.
-    fn block(&self, min: DVec3, max: DVec3) -> Option<DVec3> {
-        let corner_below = |place: DVec3, edge: f64, border: f64| ((place - border) / edge).floor() * edge + border;
-        let corner = corner_below(min, self.edge, self.border);
-        let above = corner_below(min, 2.0 * self.edge, self.border_above);
-        let end = DVec3::splat(2.0 * self.edge);
-        let is_one_cell = max.cmplt(above + end);
-        let is_two_cells = max.cmplt(corner + end);
-        (is_one_cell | is_two_cells)
-            .all()
-            .then(|| DVec3::select(is_one_cell, above, corner))
-    }
-}
-
 /// Points that are quantised together.
 const BLOCK: usize = 64;
 
@@ -230,7 +150,7 @@ impl Quantizer {
     fn new(cube: &Cube) -> Self {
         let cell = f64::from(cube.edge) / f64::from(FINEST_CELLS);
         Self {
-            min: cube.min,
+            min: cube.min.as_dvec3(),
             cell,
             cells_per_unit: 1.0 / cell,
         }
@@ -270,11 +190,9 @@ impl Quantizer {
         ]
     }
 
-    /// The index of the cell at a distance of `offset` from the lower face. It is negative only where f64 rounds the
-    /// corner of a cube that f32 hardly resolves.
+    /// The index of the cell at a distance of `offset` from the lower face, which must not be negative.
     #[inline(always)]
     fn index(&self, offset: f64) -> u64 {
-        let offset = offset.max(0.0);
         let rounded = (offset * self.cells_per_unit).min(MAX_CELLS) + ROUNDING;
         let is_below = (rounded - ROUNDING) * self.cell > offset;
         (rounded.to_bits() - u64::from(is_below)) & u64::from(FINEST_CELLS - 1)
@@ -299,30 +217,15 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn a_cube_is_two_cells_along_each_axis() {
-        // Cells of edge 1 have borders at n + ⅓: the smallest that divide a box of 1.5 into two.
+    fn the_longest_edge_rules_and_extremes_are_inside() {
         let cube = Cube::around(&[Vec3::new(-1.0, 2.0, 0.0), Vec3::new(0.5, 2.25, 0.125)]).unwrap();
-        assert_eq!(cube.edge, 4.0);
-        let thirds = cube.min * 3.0;
-        assert!((thirds - thirds.round()).abs().max_element() < 1e-12, "{cube:?}");
+        assert_eq!(cube.min, Vec3::new(-1.0, 2.0, 0.0));
+        assert_eq!(cube.edge, 1.5);
         assert_eq!(Cube::around(&[]), None);
     }
 
     #[test]
-    fn round_coordinates_are_a_third_of_a_cell_from_borders() {
-        let cube = Cube::around(&[Vec3::splat(-1.0), Vec3::splat(3.0)]).unwrap();
-        for level in 1..=10 {
-            let cells = (DVec3::ZERO - cube.min) / f64::from(cube.cell_edge(level));
-            let share = cells.x.fract();
-            assert!(
-                (share - 1.0 / 3.0).abs() < 1e-9 || (share - 2.0 / 3.0).abs() < 1e-9,
-                "{share}"
-            );
-        }
-    }
-
-    #[test]
-    fn coincident_points_are_centered() {
+    fn coinciding_points_sit_in_the_middle() {
         for point in [
             Vec3::ZERO,
             Vec3::splat(1e7),
@@ -343,21 +246,8 @@ mod tests {
         assert_eq!(cube.codes(&points), [0, morton::encode([FINEST_CELLS - 1; 3])]);
     }
 
-    #[test]
-    fn the_smallest_and_largest_extents_have_valid_cells() {
-        for exponent in -149..=127 {
-            let end = 2f64.powi(exponent) as f32;
-            let points = [Vec3::ZERO, Vec3::new(0.0, end, 0.0)];
-            let cube = Cube::around(&points).unwrap();
-            assert!(cube.edge >= end && cube.edge.is_finite(), "2^{exponent}: {cube:?}");
-            let codes = cube.codes(&points);
-            assert!(codes[0] < codes[1], "2^{exponent}: {cube:?}");
-        }
-    }
-
     proptest! {
-        /// Points on the borders of the cells of a cube off the lattice, where a reciprocal misplaces: for many edges
-        /// and levels.
+        /// Points on the borders of cells, where a reciprocal misplaces: for many edges and levels.
         #[test]
         fn borders_belong_to_the_upper_cell(edge in 1u32..10_000, exponent in -30i32..30, level in 1u32..=12,
             index in 0u32..4096) {
@@ -366,7 +256,7 @@ mod tests {
             let border = f64::from(edge) * f64::from(index) / f64::from(1u32 << level);
             prop_assume!(f64::from(border as f32) == border);
             let points = [Vec3::ZERO, Vec3::splat(edge), Vec3::new(border as f32, 0.0, 0.0)];
-            let codes = Cube { min: DVec3::ZERO, edge }.codes(&points);
+            let codes = Cube::around(&points).unwrap().codes(&points);
             prop_assert_eq!(codes[2], morton::encode([index << (21 - level), 0, 0]));
             prop_assert_eq!(codes[1], morton::encode([FINEST_CELLS - 1; 3]));
         }
@@ -379,41 +269,12 @@ mod tests {
             prop_assert_eq!(cube.cells_and_codes(&points), (cube.cells(&points), cube.codes(&points)));
             for (code, point) in cube.codes(&points).into_iter().zip(&points) {
                 prop_assert_eq!(cube.cells(&[*point]), [PackedCell::from_code(code)]);
-                let offset = (point.as_dvec3() - cube.min).to_array();
+                let offset = (point.as_dvec3() - cube.min.as_dvec3()).to_array();
                 for (index, offset) in morton::decode(code).into_iter().zip(offset) {
                     let lower = f64::from(index) * cell_edge;
                     let last = index == FINEST_CELLS - 1;
                     prop_assert!(lower <= offset &&
                         (offset < lower + cell_edge || last && offset <= lower + cell_edge));
-                }
-            }
-        }
-
-        /// Points at rest are in the same cells, whatever else there is, and the cube is no larger than it has to be.
-        #[test]
-        fn cells_of_one_size_coincide_for_all_clouds(
-            resting in prop::collection::vec(prop::array::uniform3(-1f32..1.0), 2..20),
-            other in prop::array::uniform3(-1e3f32..1e3), scale in -60i32..60) {
-            let scale = 2f32.powi(scale);
-            let mut points: Vec<Vec3> = resting.into_iter().map(|point| Vec3::from_array(point) * scale).collect();
-            let alone = Cube::around(&points).unwrap();
-            let bounds = Aabb::from_points(&points);
-            let extent = (bounds.max - bounds.min).max_element();
-            prop_assume!(extent > 0.0);
-            prop_assert!(alone.edge >= extent && alone.edge <= 4.0 * extent, "{alone:?} for {extent}");
-            points.push(Vec3::from_array(other) * scale);
-            let together = Cube::around(&points).unwrap();
-            let levels_more = (together.edge / alone.edge).log2() as u32;
-            for level in 1..=10 {
-                let center = |cube: &Cube, level: u32, point| {
-                    let cell = cube.cells(&[point])[0].coordinates().map(|at| at >> (LEVELS - level));
-                    cube.cell_center(level, cell)
-                };
-                for &point in &points[..points.len() - 1] {
-                    let [a, b] = [center(&alone, level, point), center(&together, level + levels_more, point)];
-                    // Corners of cubes are rounded to f32 for centres.
-                    let rounding = 2.0 * f32::EPSILON * together.edge;
-                    prop_assert!((a - b).abs().max_element() <= rounding, "{a} {b}");
                 }
             }
         }

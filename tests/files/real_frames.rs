@@ -47,7 +47,7 @@ fn frames() -> Vec<(PathBuf, Frame)> {
 }
 
 #[test]
-fn octrees_contain_the_cells_of_their_points() {
+fn octrees_hold_the_cells_of_their_points() {
     let frames = frames();
     assert!(!frames.is_empty(), "the demo at least");
     for (path, frame) in frames {
@@ -60,7 +60,7 @@ fn octrees_contain_the_cells_of_their_points() {
             let expected: BTreeSet<[u32; 3]> = positions
                 .iter()
                 .map(|position| {
-                    let share = (position.as_dvec3() - cube.min) / f64::from(cube.edge);
+                    let share = (position.as_dvec3() - cube.min.as_dvec3()) / f64::from(cube.edge);
                     share
                         .to_array()
                         .map(|share| (share * along).floor().min(along - 1.0) as u32)
@@ -75,14 +75,14 @@ fn octrees_contain_the_cells_of_their_points() {
                 path.display()
             );
             assert_eq!(tree.leaf_count(), count);
-            // No frame here has so many duplicates that δ could not be met.
+            // No frame here has so many duplicates that δ could not be kept.
             assert!(tree.loss() <= delta, "{}", path.display());
         }
     }
 }
 
 #[test]
-fn surfaces_are_defined_and_gapless() {
+fn surfaces_are_defined_and_close_knit() {
     for (path, frame) in frames() {
         let surface = estimate_surface(frame.positions(), frame.sensor());
         assert!(
@@ -124,14 +124,14 @@ fn open_share(positions: &[Vec3], surface: &Surface, lists: &Neighbours, scale: 
         let near = &lists.of(point as usize)[..CLOSE];
         for (place, &a) in near.iter().enumerate() {
             for &b in &near[place + 1..] {
-                // Each triangle is counted at its first corner.
+                // Each triangle at its first corner.
                 let is_first = point < a && point < b;
                 let is_surface = know_each_other(point, a) && know_each_other(point, b) && know_each_other(a, b);
                 if !(is_first && is_surface) {
                     continue;
                 }
                 let [p, q, r] = [point, a, b].map(|corner| positions[corner as usize]);
-                // Normals may face either way if there is no sensor and no closed surface.
+                // Normals may face either way where there is no sensor and no closed surface.
                 let first = surface.normals[point as usize];
                 let direction = [a, b].into_iter().fold(first, |sum, corner| {
                     let normal = surface.normals[corner as usize];

@@ -117,11 +117,11 @@ fn offsets_close_the_gaps_of_quantised_positions() {
         style.surfels.splatting = Splatting::TwoPass;
         style.surfels.rims = OnOff::Off;
         style.surfels.splat_scale = 1.4;
-        style.levels.stop = StopCriterion::Depth(7);
+        style.levels.stop = StopCriterion::Depth(6);
         style.codes.normal_bits = NormalBits::Thirteen;
     });
     let frame = ball(200_000, 0.01, true, &style);
-    let edge = f64::from(frame.levels.octree().unwrap().cube().cell_edge(7));
+    let edge = f64::from(frame.levels.octree().unwrap().cube().cell_edge(6));
     for view in VIEWS_DEG {
         let camera = ball_camera(view, 1.6);
         let count = |offset_bits: OffsetBits| {

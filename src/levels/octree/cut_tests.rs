@@ -8,7 +8,7 @@ use crate::cloud::{PointRecord, ShapeRecord, oct_encode};
 use crate::levels::cut::NodeRange;
 use crate::levels::{Cut, CutHints, Levels as _, SelectView};
 use glam::Vec3;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 fn torus_tree(count: usize) -> Octree {
@@ -34,13 +34,12 @@ fn cut(tree: &Octree, view: &SelectView, before: Option<&Cut>) -> Cut {
 }
 
 #[test]
-fn a_budget_is_used_to_within_one_threshold_step() {
+fn a_budget_is_used_as_far_as_whole_steps_of_the_threshold_allow() {
     let tree = torus_tree(20_000);
     let view = view_from(Vec3::new(0.5, 2.0, 3.0), Vec3::ZERO, 0.5);
     let all = cut(&tree, &view, None).node_count();
     assert!(all > 10_000);
-    // Of the octants that the eye is in, all are divided.
-    for max_nodes in [8, 10, 300, 5000, all - 1, all, usize::MAX] {
+    for max_nodes in [1, 10, 300, 5000, all - 1, all, usize::MAX] {
         let best = tree.cut_at_most(max_nodes, &view, CutHints::default());
         let lod_px = best.lod_px();
         assert!(best.node_count() <= max_nodes);
@@ -50,7 +49,7 @@ fn a_budget_is_used_to_within_one_threshold_step() {
         if max_nodes >= all {
             assert_eq!(lod_px, 0.5, "no coarser than asked");
         } else {
-            // A 32nd of an octave finer would exceed the limit.
+            // A 32nd of an octave finer would be too many.
             let finer = SelectView {
                 lod_px: (lod_px / 2f32.powf(0.032)).max(0.5),
                 ..view
@@ -78,7 +77,7 @@ fn a_small_move_back_and_forth_changes_no_level() {
             before = now;
         }
         assert!(changes_without > 20, "there was something to keep");
-        // A large camera move changes the cells.
+        // A large move is followed.
         let near = cut(&tree, &at(1.5), Some(&before));
         assert_ne!(cells(&tree, &near), first);
     }
@@ -88,9 +87,9 @@ fn a_small_move_back_and_forth_changes_no_level() {
 /// leaf in view is covered once, and every decision is the one that a cell by itself would make. The order is that of a
 /// plain traversal.
 #[test]
-fn cuts_match_visiting_cells_one_by_one() {
+fn cuts_are_those_of_one_cell_after_the_other() {
     let even = torus_surfels(4_000, 1);
-    // Cells with more points than are examined together.
+    // Cells of more points than are looked at together.
     let crowded = torus_surfels(300, 50);
     // Leaves on several levels.
     let uneven = uneven_surfels();
@@ -126,7 +125,7 @@ fn cuts_match_visiting_cells_one_by_one() {
         cached += usize::from(found[1] != found[0]);
         hidden += usize::from(found[2] != found[0]);
     }
-    assert!(cached > 20 && hidden > 100, "hints mattered: {cached} {hidden}");
+    assert!(cached > 30 && hidden > 100, "hints mattered: {cached} {hidden}");
 }
 
 /// Surfels of as many places on a torus, several points in each.
@@ -238,7 +237,7 @@ fn cells_one_by_one(
 }
 
 #[test]
-fn a_budgeted_threshold_is_retained_while_it_fits() {
+fn a_budget_keeps_its_threshold_while_it_fits() {
     let tree = torus_tree(20_000);
     let at = |distance: f32| view_from(Vec3::new(0.5, 2.0, distance), Vec3::ZERO, 0.5);
     let first = tree.cut_at_most(3_000, &at(3.0), CutHints::default());
@@ -247,7 +246,7 @@ fn a_budgeted_threshold_is_retained_while_it_fits() {
         before: Some(&first),
         ..CutHints::default()
     };
-    // From farther away fewer cells are needed, but not many fewer.
+    // Farther away fewer cells are needed, but not many fewer.
     let cached = tree.cut_at_most(3_000, &at(3.1), hints);
     assert_eq!(cached.lod_px(), lod_px);
     assert!((2_250..=3_000).contains(&cached.node_count()));
@@ -258,7 +257,7 @@ fn a_budgeted_threshold_is_retained_while_it_fits() {
 }
 
 #[test]
-fn root_octants_are_ordered_nearest_first() {
+fn the_octants_of_the_root_come_nearest_first() {
     let tree = torus_tree(20_000);
     let view = view_from(Vec3::new(2.5, 1.5, -3.0), Vec3::ZERO, 0.0);
     let cut = cut(&tree, &view, None);
@@ -277,7 +276,5 @@ fn root_octants_are_ordered_nearest_first() {
         .map(|range| differs(tree.points.cells[range.points.start].octant(1)))
         .collect();
     assert!(order.is_sorted(), "{order:?}");
-    // All of the torus is above the centre of the cube, so four of them have points.
-    let octants: HashSet<u32> = order.into_iter().collect();
-    assert!(octants.len() >= 3, "{octants:?}");
+    assert!(order.len() >= 8);
 }

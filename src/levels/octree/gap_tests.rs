@@ -61,7 +61,7 @@ fn check(tree: &Octree) {
         let place = cell.map(|coordinate| coordinate as i32);
         let is_new = found.entry(level).or_default().insert(place);
         assert!(is_new, "{gap:?} twice");
-        // It is drawn by a whole leaf of its level that touches it.
+        // It is drawn as a whole leaf of its level that touches it.
         let [first, end] = gap.leaf.map(|point| point as usize);
         assert!(tree.is_leaf(level, &(first..end)));
         assert_eq!(tree.points.next_beginning(level, first + 1, tree.point_count()), end);
@@ -83,7 +83,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(32))]
 
     #[test]
-    fn gaps_match_a_search_of_all_cells(
+    fn gaps_are_those_of_a_search_of_all_cells(
         seed: u64,
         count in 1usize..3_000,
         stretch in prop::array::uniform3(0.001f32..1.0),
@@ -101,37 +101,33 @@ proptest! {
 }
 
 #[test]
-fn missing_cells_of_a_plane_are_filled_and_none_beyond_its_edge() {
-    // Four points per cell, of 16 cells along each edge; none in some, including ones at borders of blocks of 4.
+fn a_missing_cell_of_a_plane_is_closed_and_nothing_beyond_its_edge() {
+    // Four points a cell, of 16 cells along each edge; none in some, at borders of blocks of 4 as well.
     let holes = [[5, 5], [7, 8], [8, 3], [12, 12], [0, 9]];
     let mut positions = Vec::new();
     for x in 0..16 {
         for y in 0..16 {
             if !holes.contains(&[x, y]) {
-                // The corners of cells of edge 1 are on thirds.
-                let third = 1.0 / 3.0;
-                let at = |part: usize| [0.25, 0.75].map(|offset| third + offset + [x, y][part] as f32);
-                positions.extend(at(0).iter().flat_map(|&x| at(1).map(|y| Vec3::new(x, y, third + 0.5))));
+                let at = |part: usize| [0.25, 0.75].map(|offset| offset + [x, y][part] as f32);
+                positions.extend(at(0).iter().flat_map(|&x| at(1).map(|y| Vec3::new(x, y, 0.5))));
             }
         }
     }
+    // The cube is the plane's own.
+    positions.extend([Vec3::ZERO, Vec3::splat(16.0)]);
     let tree = tree_of(&positions);
-    let level = (0..=21).find(|&level| tree.cube().cell_edge(level) == 1.0).unwrap();
-    let first = tree.cube().cells(&[Vec3::splat(0.5)])[0]
-        .coordinates()
-        .map(|at| at >> (21 - level));
     let flat: HashSet<[u32; 2]> = of_tree(&tree)
         .iter()
-        .filter(|gap| u32::from(gap.level) == level)
+        .filter(|gap| gap.level == 4)
         .map(|gap| tree.cell_of_gap(gap))
-        .filter(|cell| cell[2] == first[2])
-        .map(|[x, y, _]| [x - first[0], y - first[1]])
+        .filter(|cell| cell[2] == 0)
+        .map(|[x, y, _]| [x, y])
         .collect();
     assert_eq!(flat, holes.into_iter().collect());
 }
 
 #[test]
-fn filled_gaps_have_leaf_colors_and_distinct_positions() {
+fn gaps_have_the_colours_of_leaves_and_places_of_their_own() {
     let positions = test_shapes::sphere(20_000, &mut Random(4)).positions;
     let tree = tree_of(&positions);
     let view = view_from(Vec3::new(2.0, 3.0, 4.0), Vec3::ZERO, 0.0);
@@ -152,7 +148,7 @@ fn filled_gaps_have_leaf_colors_and_distinct_positions() {
         let leaf = by_cell[&(level, adjacent)];
         assert_eq!((leaf.color, leaf.level), (voxel.color, voxel.level));
     }
-    // There are no gaps between coarser cells: they are closed.
+    // Of coarser cells there are none: they are closed.
     let coarse = tree.cut(
         &SelectView {
             deepest_level: 3,

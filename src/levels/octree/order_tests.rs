@@ -29,20 +29,20 @@ fn cells_in_order(tree: &Octree, view: &SelectView) -> Vec<[u32; 3]> {
 /// Returns the distance from the eye to the nearest point of a cell of a level.
 fn distance(tree: &Octree, eye: Vec3, level: u32, cell: [u32; 3]) -> f64 {
     let edge = f64::from(tree.cube().cell_edge(level));
-    let low = tree.cube().min + edge * DVec3::from_array(cell.map(f64::from));
+    let low = tree.cube().min.as_dvec3() + edge * DVec3::from_array(cell.map(f64::from));
     let nearest = eye.as_dvec3().clamp(low, low + edge);
     nearest.distance(eye.as_dvec3())
 }
 
 /// Whatever a ray from the eye meets first comes first, so nothing comes after what it may hide.
 #[test]
-fn potential_occluders_come_first() {
+fn what_may_hide_something_comes_before_it() {
     let mut random = Random(12);
-    // Few enough for one thread, and enough to be distributed.
+    // Few enough for one thread, and many enough to be shared out.
     for count in [4_000, 40_000] {
         let positions: Vec<Vec3> = (0..count).map(|_| random.cube()).collect();
         let tree = Octree::build(&positions, &vec![[0; 4]; count], StopCriterion::Depth(5));
-        let (min, edge) = (tree.cube().min, f64::from(tree.cube().edge));
+        let (min, edge) = (tree.cube().min.as_dvec3(), f64::from(tree.cube().edge));
         let (mut met, mut whole) = (0, 0);
         for _ in 0..40 {
             let eye = random.cube() * 3.0;
@@ -53,7 +53,7 @@ fn potential_occluders_come_first() {
             for _ in 0..200 {
                 let way = random.cube().as_dvec3() - eye.as_dvec3();
                 let mut last = None;
-                // From the eye to twice the distance of the target.
+                // From the eye to twice as far as the target.
                 for step in 0..400 {
                     let share = (eye.as_dvec3() + way * (f64::from(step) / 200.0) - min) / edge;
                     if share.min_element() < 0.0 || share.max_element() >= 1.0 {
@@ -71,7 +71,7 @@ fn potential_occluders_come_first() {
                     last = Some(place);
                 }
             }
-            // The nearest octant is the very first, if none is out of view.
+            // The nearest octant is the very first, if none is out of sight.
             let octant = |cell: &[u32; 3]| cell.map(|along| along >> 1);
             let octants: Vec<_> = cells.iter().map(octant).collect();
             let all: std::collections::HashSet<_> = octants.iter().collect();

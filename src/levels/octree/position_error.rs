@@ -52,7 +52,7 @@ mod tests {
     use crate::math::Cube;
 
     #[test]
-    fn position_error_matches_visiting_cells_one_by_one() {
+    fn it_is_that_of_all_cells_looked_at_one_by_one() {
         let torus = test_shapes::torus(3_000, 0.4, &mut Random(5)).positions;
         let cube = Cube::around(&torus).unwrap();
         let order = crate::math::order_of_codes(&cube.codes(&torus));
@@ -65,7 +65,7 @@ mod tests {
             let tree = Octree::build(&positions, &colors, stop);
             let cell = |level: u32, point: Vec3| {
                 let cells = f64::from(level).exp2();
-                let place = (point.as_dvec3() - cube.min) / f64::from(cube.edge);
+                let place = (point - cube.min).as_dvec3() / f64::from(cube.edge);
                 (place * cells).floor().min(glam::DVec3::splat(cells - 1.0))
             };
             let squared = |point: &Vec3| {
@@ -76,7 +76,7 @@ mod tests {
                 };
                 let level = max.map_or(tree.depth(), |_| (0..=LEVELS).find(are_few).unwrap());
                 let edge = f64::from(cube.edge) / f64::from(level).exp2();
-                let center = (cell(level, *point) + 0.5) * edge + cube.min;
+                let center = (cell(level, *point) + 0.5) * edge + cube.min.as_dvec3();
                 point.as_dvec3().distance_squared(center)
             };
             let expected = positions.iter().map(squared).sum::<f64>() / positions.len() as f64;

@@ -70,7 +70,7 @@ impl Octree {
     fn voxel_writer(&self) -> VoxelWriter<'_> {
         VoxelWriter {
             points: &self.points,
-            min: self.cube.min.as_vec3(),
+            min: self.cube.min,
             edge: self.cube.edge,
         }
     }

@@ -99,11 +99,11 @@ fn leaf_distances(positions: &[Vec3], tree: &Octree) -> Vec<f64> {
     let cube = tree.cube();
     let cells_along = f64::from(1u32 << tree.depth());
     let cell_of = |place: DVec3| {
-        let cell = (place - cube.min) / f64::from(cube.edge) * cells_along;
+        let cell = (place - cube.min.as_dvec3()) / f64::from(cube.edge) * cells_along;
         // The upper faces of the cube belong to the last cells.
         cell.to_array().map(|index| index.floor().min(cells_along - 1.0) as u32)
     };
-    // A cell centre is half an edge away from the next cell, whatever the rounding.
+    // A middle is half an edge away from the next cell, whatever the rounding.
     let centers: HashMap<[u32; 3], DVec3> = tree
         .level_voxels(tree.depth())
         .iter()
@@ -122,17 +122,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn distances_are_measured_to_the_centers() {
-        // Four corners of a cube of edge 2 and a point: at depth 1, cells of edge 1, whose corners are on thirds.
-        let third = Vec3::splat(1.0 / 3.0);
+    fn distances_are_those_to_the_middles() {
+        // Four corners of a cube of edge 2 and a point: at depth 1, cells of edge 1.
         let positions = [
             Vec3::ZERO,
             Vec3::new(2.0, 0.0, 0.0),
             Vec3::new(0.0, 2.0, 0.0),
             Vec3::new(1.5, 1.5, 1.75),
             Vec3::new(2.0, 2.0, 2.0),
-        ]
-        .map(|position| position + third);
+        ];
         let tree = Octree::build(&positions, &[[0; 4]; 5], StopCriterion::Loss(0.25));
         assert_eq!((tree.depth(), tree.leaf_count()), (1, 4));
         let distances = leaf_distances(&positions, &tree);
@@ -140,8 +138,8 @@ mod tests {
         for (found, expected) in distances.iter().zip([corner, corner, corner, 0.25, corner]) {
             assert!((found - expected).abs() < 1e-6, "{distances:?}");
         }
-        // A point that the tree does not contain.
-        let elsewhere = leaf_distances(&[Vec3::new(0.5, 0.5, 1.5) + third], &tree);
+        // A point that the tree does not have.
+        let elsewhere = leaf_distances(&[Vec3::new(0.5, 0.5, 1.5)], &tree);
         assert_eq!(elsewhere, [0.0f64; 0]);
         let mut samples = DeltaSamples::default();
         samples.add(&positions, &tree);
