@@ -1,11 +1,11 @@
-//! How fast files become clouds, beside what the machine needs to move the same bytes.
+//! How fast files become clouds, compared with the time to move the same bytes.
 //!
 //! Each format is a group of three rows over the same 100,000 points, and criterion's `thrpt` is bytes of the file a
 //! second in all of them, so that they divide into each other:
 //!
-//! - `decode`: [`pointreel::io::read_bytes`] on bytes in memory: what is added to reading;
-//! - `copy`: the same bytes into a fresh allocation: what no decoder can beat;
-//! - `read file`: [`std::fs::read`] of the same bytes from the system's cache: what a player waits for in any case.
+//! - `decode`: [`pointreel::io::read_bytes`] on bytes in memory: the time added to reading;
+//! - `copy`: the same bytes into a fresh allocation: no decoder can beat this;
+//! - `read file`: [`std::fs::read`] of the same bytes from the system's cache: a player waits for it in any case.
 //!
 //! Not measured: a cold disk, memory that the process touches for the first time (the loops reuse theirs), the check
 //! into a `Frame`, normals and radii (`benches/normals.rs`, `benches/prepare.rs`). All on one thread. Target: the

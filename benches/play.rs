@@ -2,7 +2,7 @@
 //! first.
 //!
 //! Measured: the rate held, the share of points shown, late and skipped frames and memory, at 1280×720: 100 frames of
-//! 100,000 coloured points with normals at 60 a second; 30 frames of 1,000,000 without normals at 30 a second. With the
+//! 100,000 coloured points with normals at 60 fps; 30 frames of 1,000,000 without normals at 30 fps. With the
 //! argument `soak`: 10,000 frames of the former in 256 MiB, so that each is read again and again, and memory at the
 //! beginning, most and at the end.
 

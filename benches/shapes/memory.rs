@@ -1,4 +1,4 @@
-//! The allocator of the program, counting what it gives.
+//! The allocator of the program, counting its allocations.
 
 use pointreel::memory::Allocator;
 use std::alloc::{GlobalAlloc, Layout};

@@ -118,10 +118,10 @@ impl LevelsSet {
         }
     }
 
-    /// These levels with what is asked for, and what was built for it. The octree stays, as others are made from it;
-    /// what is made of it goes when nobody asks for it.
+    /// These levels with the requested structure, and the data built for it. The octree stays, as others are made from
+    /// it; data derived from it is dropped when it is no longer requested.
     ///
-    /// Precondition: what is there was made of `cloud`.
+    /// Precondition: the existing levels were built from `cloud`.
     #[must_use]
     pub fn completed(&self, key: Option<LevelsKey>, cloud: &CloudRecords<'_>) -> (Self, LevelsWork) {
         let mut work = LevelsWork::default();

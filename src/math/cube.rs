@@ -33,7 +33,7 @@ const HALF_EDGE_EXPONENTS: RangeInclusive<i32> = -105..=126;
 /// The cube that Morton codes and octrees divide: every cell of every level is a cube too.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cube {
-    /// Smallest corner, relative to the sequence origin. In f64, as thirds are no f32.
+    /// Smallest corner, relative to the sequence origin. In f64, as thirds are not exact in f32.
     pub min: DVec3,
     /// Edge length; positive and finite.
     pub edge: f32,
@@ -220,7 +220,7 @@ struct Quantizer {
     cells_per_unit: f64,
 }
 
-/// The last bit of an f64 this large is worth 1: adding it rounds to an integer, which then stands in the low bits.
+/// The last bit of an f64 this large is worth 1: adding it rounds to an integer, which is then in the low bits.
 const ROUNDING: f64 = (1u64 << 52) as f64;
 
 /// In the last cell, and nearer to its lower border than to its upper one, so that it is rounded to no cell more.
@@ -389,7 +389,7 @@ mod tests {
             }
         }
 
-        /// Points at rest are in the same cells, whatever else there is, and the cube is no larger than it has to be.
+        /// Points at rest are in the same cells, whatever else there is, and the cube is as small as possible.
         #[test]
         fn cells_of_one_size_coincide_for_all_clouds(
             resting in prop::collection::vec(prop::array::uniform3(-1f32..1.0), 2..20),

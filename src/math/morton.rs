@@ -27,7 +27,7 @@ pub const fn decode(code: u64) -> [u32; 3] {
 
 /// The coordinates of a finest cell in one number: x in bits 0 to 20, y in 21 to 41, z in 42 to 62.
 ///
-/// As many bits as a code, and two cells are compared as fast, but a coordinate is taken out by a shift.
+/// The same number of bits as a code, and two cells are compared as fast, but a coordinate is taken out by a shift.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(transparent)]
 pub struct PackedCell(u64);
@@ -88,7 +88,7 @@ impl PackedCell {
         let different = self.0 ^ next.0;
         let along_any = (different | different >> LEVELS | different >> (2 * LEVELS)) as u32 % FINEST_CELLS;
         // The exponent of a 21-bit number, which is exact as an f32, is the index of its highest bit; this is one SIMD
-        // instruction. That of 0 is −127.
+        // instruction. The exponent of 0 is −127.
         let exponent = ((along_any as i32 as f32).to_bits() >> 23) as i32 - 127;
         let parting = (LEVELS as i32 - exponent).min(i32::from(NEVER_PART));
         let octants = LOWEST.wrapping_shl(exponent as u32);

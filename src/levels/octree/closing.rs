@@ -16,7 +16,7 @@ use super::stop::LeafRun;
 use crate::math::morton;
 use rayon::prelude::*;
 
-/// Times that cells are closed: holes of so many cells along each axis disappear at most.
+/// Number of closing steps: holes of up to this many cells along each axis disappear.
 const PASSES: usize = 3;
 
 /// Blocks that are worth handing to another thread.
@@ -51,7 +51,7 @@ pub(super) struct LevelCells {
     level: u8,
     /// The first point of each, and the number of points.
     firsts: Vec<u32>,
-    /// The first stands for all that there are not.
+    /// The first stands for all absent blocks.
     blocks: Vec<OccupancyBlock>,
     /// Numbers of blocks by their places; 0 where there is none.
     table: Vec<u32>,
@@ -254,7 +254,7 @@ impl LevelCells {
     }
 }
 
-/// Numbers of blocks by their places: open addressing with as many slots again as there are blocks, or more.
+/// Numbers of blocks by their positions: open addressing with at least twice as many slots as blocks.
 fn table_of(blocks: &[OccupancyBlock]) -> Vec<u32> {
     let slots = (2 * blocks.len()).next_power_of_two();
     let mut table = vec![0; slots];

@@ -129,7 +129,7 @@ fn cuts_match_visiting_cells_one_by_one() {
     assert!(cached > 20 && hidden > 100, "hints mattered: {cached} {hidden}");
 }
 
-/// Surfels of as many places on a torus, several points in each.
+/// Surfels at this many places on a torus, several points in each.
 fn torus_surfels(places: usize, points_per_place: usize) -> LodSurfels {
     let torus = test_shapes::torus(places, 0.4, &mut Random(31));
     surfels_of(&torus, points_per_place, StopCriterion::Depth(6))

@@ -1,4 +1,4 @@
-//! Traversal with frustum culling: which nodes stand for the cloud in one view (the 4D media paper §VI-B).
+//! Traversal with frustum culling: the nodes that represent the cloud in one view (the 4D media paper §VI-B).
 //!
 //! How it works: from the root down, a node is dropped when its bounding sphere (the diagonal of the cell is its
 //! diameter) is outside the frustum, and emitted when it is a leaf or its edge covers less than the LOD threshold on
@@ -13,14 +13,14 @@
 //!   (`small_subtrees.rs`).
 //! - *Normal cones*, for back-face culling. A node whose points all face away is dropped, if that is asked for
 //!   ([`LodSurfels`]).
-//! - *Subtrees in parallel.* The octants of the root, and theirs, are gone through by as many threads as there are.
+//! - *Subtrees in parallel.* The octants of the root, and theirs, are traversed by all threads.
 //!
-//! The eight octants of the root, and those below, come nearest first, so that what is drawn early hides what follows.
+//! The eight octants of the root, and those below, come nearest first, so that nodes drawn early occlude later ones.
 //!
 //! Levels of detail do not flicker: given the cut of the view before, a cell changes sides only when it is a tenth
 //! beyond the threshold; and a subtree that was uniform, and may stay so, is emitted at once.
 //!
-//! When it wins: always; at worst (every cell straddles something) it visits what a plain traversal does.
+//! When it wins: always; at worst (every cell straddles something) it visits the same nodes as a plain traversal.
 //!
 //! Distances are to the nearest point of a cell, so a projected edge is never underestimated, and an eye inside a cell
 //! always descends. The output depends on tree, view and hints alone.
@@ -128,7 +128,7 @@ const ORDERED_LEVELS: u32 = 2;
 /// Below this, the octants of a node are not shared out among threads.
 const PARALLEL_POINTS: usize = 1 << 15;
 
-/// The cells of a subtree of up to so many points are tested side by side. Twice or half as many take about as long.
+/// The cells of a subtree of up to this many points are tested side by side. Twice or half as many take about as long.
 const SMALL_SUBTREE: usize = 160;
 
 /// Limits that only depend on the level of a cell.
@@ -286,7 +286,7 @@ impl Traversal<'_> {
         }
     }
 
-    /// Returns the one level below that of `node` on which all descendants stop; `None` if there may be several. Its
+    /// Returns the one level below `node` on which all descendants stop; `None` if there may be several. Its
     /// centre is `distance` from the eye along each axis.
     fn uniform_cut(&self, node: &NodeRange, distance: Vec3) -> Option<u32> {
         let half_edge = 0.5 * self.levels[node.level as usize].edge;
@@ -311,8 +311,7 @@ impl Traversal<'_> {
         all_stop.then_some(first_stop)
     }
 
-    /// The first level below that of `node` on which a descendant may stop, wherever in it that is; `depth` is that of
-    /// the leaves.
+    /// The first level below `node` on which a descendant may stop, wherever in it; `depth` is the level of the leaves.
     fn first_stop(&self, node: &NodeRange, distance: Vec3, depth: u32) -> u32 {
         let farthest_squared = self.farthest_squared(node, distance);
         (node.level + 1..depth)

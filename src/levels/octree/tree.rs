@@ -76,7 +76,7 @@ impl Octree {
         (1.0 - self.leaf_count as f64 / self.point_count() as f64) as f32
     }
 
-    /// The cube that the root stands for.
+    /// The cube of the root.
     pub fn cube(&self) -> Cube {
         self.cube
     }
@@ -86,7 +86,7 @@ impl Octree {
         &self.level_counts
     }
 
-    /// Most bytes held in memory, voxels that may be kept and what is shared with other trees included.
+    /// Maximum number of bytes held in memory, voxels that may be cached and data shared with other trees included.
     pub fn byte_size(&self) -> usize {
         size_of::<Self>()
             + self.points.byte_size()

@@ -1,4 +1,4 @@
-//! Cones around normals, by the cosine of half their opening.
+//! Cones around normals, by the cosine of their half angle.
 
 use glam::Vec3;
 

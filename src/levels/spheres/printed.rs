@@ -40,7 +40,7 @@ pub(super) struct PrintedSequence {
     entries: Vec<Entry>,
     /// The least `r_min` of the entries up to each.
     min_r_min: Vec<f32>,
-    /// Nodes that are no leaves, in breadth-first order.
+    /// Nodes that are not leaves, in breadth-first order.
     inners: Vec<(Splat, Bounds)>,
     /// Around all.
     root: Sphere,

@@ -10,8 +10,8 @@
 //! ([`HIERARCHY_POINTS`]; after Windisch et al. 2025) has one for each subtree of a few points: the nodes above are
 //! traversed, and only subtrees that are in view and divided are looked at, each with a prefix of its own.
 //!
-//! There is no lower end of a range (Sainz and Pajarola 2004 §4.3): a node that is seen from its edge is small however
-//! large it is.
+//! There is no lower end of a range (Sainz and Pajarola 2004 §4.3): a node that is seen edge-on is small whatever its
+//! size.
 //!
 //! When it wins: where there is no time to descend, and on GPUs, which test a prefix by themselves (`filter.rs`).
 
@@ -48,7 +48,7 @@ pub(super) struct SequentialTree {
     uppers: Vec<Upper>,
 }
 
-/// A node that is no leaf.
+/// A node that is not a leaf.
 #[derive(Debug, Clone, Copy)]
 struct Inner {
     bounds: Bounds,
@@ -74,7 +74,7 @@ struct Upper {
 }
 
 impl SequentialTree {
-    /// Sequences of a tree, each of a subtree with at most so many points.
+    /// Sequences of a tree, each of a subtree with at most this many points.
     pub(super) fn of(tree: &SphereTree, max_points: usize) -> Self {
         let uppers = upper_nodes(&tree.division, max_points);
         let sequences: Vec<Sequence> = uppers.par_iter().map(|upper| upper.sequence(tree)).collect();
