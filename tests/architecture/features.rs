@@ -1,4 +1,4 @@
-//! What builds with fewer features do not bring, told by cargo.
+//! Crates absent from builds with fewer features, according to cargo.
 
 use std::collections::BTreeSet;
 use std::process::Command;

@@ -2,8 +2,7 @@
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
-/// How many parts tuples in the parameters of the functions of a file have; those of closures and of types of functions
-/// do not count.
+/// How many parts tuples in the parameters of the functions of a file have; closures and function types do not count.
 pub(crate) fn tuples(text: &str) -> Vec<(String, usize)> {
     let mut found = Vec::new();
     look_into(text.parse().expect("a file of Rust"), &mut found);
@@ -24,7 +23,7 @@ fn look_into(stream: TokenStream, found: &mut Vec<(String, usize)>) {
     }
 }
 
-/// The parameters of a function of which this is behind its name.
+/// The parameters of a function, from the tokens after its name.
 fn parameters(trees: &[TokenTree]) -> Vec<Vec<TokenTree>> {
     let mut depth = 0;
     let mut follows_dash = false;

@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 const STRATEGIES: [&str; 5] = ["storage", "uniform", "texture", "vertex", "compute"];
 
-/// Few and small pictures: these tests are about the suites, not about the clock.
+/// Few and small images: these tests are about the suites, not about the clock.
 fn small(suite: &'static Suite) -> BenchOptions {
     BenchOptions {
         viewport_px: [96, 64],

@@ -1,4 +1,4 @@
-//! Clouds of other programs. They lie beside the project, in `../shared/data`, and a clone of it does not have them.
+//! Clouds of other programs. They are outside the project, in `../shared/data`, and a clone of it does not have them.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};

@@ -1,8 +1,8 @@
-//! Calls of the system and of the allocator that fail when they are told to.
+//! Calls of the system and of the allocator that fail on request.
 //!
 //! **How it works.** The functions of C that reading and writing end in are defined here, so that the linker takes them
-//! in place of the library's: the whole program and its libraries go through them, and the program that is shipped
-//! knows nothing of it. Only files in one folder count, so that drivers and settings of the machine are left alone.
+//! instead of the library's: the whole program and its libraries go through them, and the shipped program contains none
+//! of it. Only files in one folder count, so that drivers and settings of the machine are left alone.
 
 use mimalloc::MiMalloc;
 use pointreel::memory::Allocator;
@@ -72,7 +72,7 @@ static PATHS: OnceLock<[CString; 2]> = OnceLock::new();
 /// Of each descriptor, whether its file counts.
 static COUNTED: [AtomicBool; 4096] = [const { AtomicBool::new(false) }; 4096];
 
-/// Reads what is to fail from the environment; whether there is anything.
+/// Reads the requested fault from the environment; returns false if there is none.
 pub(crate) fn arm() -> bool {
     let Ok(fault) = std::env::var(FAULT) else {
         return false;
@@ -209,7 +209,7 @@ mod calls {
     }
 
     /// # Safety
-    /// As the function of C; what it takes for a file that is made is given always.
+    /// As the function of C; the mode of a created file is always passed.
     #[unsafe(no_mangle)]
     pub(super) unsafe extern "C" fn open64(path: *const c_char, flags: c_int, mode: mode_t) -> c_int {
         // SAFETY: guaranteed by the caller.

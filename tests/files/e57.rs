@@ -1,4 +1,4 @@
-//! E57 files written by the crate, and what is read of them: several scans, poses, invalid points, damaged files.
+//! E57 files written by the crate, and the clouds read from them: several scans, poses, invalid points, damaged files.
 
 use e57::{
     DateTime, E57Writer, Extension, PointCloudWriter, Quaternion, Record, RecordDataType, RecordName, RecordValue,

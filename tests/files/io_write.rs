@@ -1,4 +1,4 @@
-//! What is written is read back equal, as far as the format holds it.
+//! Written clouds are read back equal, as far as the format holds them.
 
 use glam::DVec3;
 use pointreel::assumption::{Evidence, Subject};

@@ -1,4 +1,4 @@
-//! The ways that a file of a stranger goes: the verbs of the command line, and the window with its background loader.
+//! Paths of an untrusted file through the program: the commands, and the window with its background loader.
 
 use crate::kinds::{FAULTS, SETTINGS, STREAMS};
 use pointreel::app::{Preferences, PreferencesFile, Presets, Recent, State, StateOptions};
@@ -13,16 +13,16 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// What reading may take (`--max-memory`).
+/// Memory limit of reading (`--max-memory`).
 pub(crate) const MAX_MEMORY_BYTES: u64 = 256 << 20;
 
 /// Memory for prepared frames in the window.
 const BUDGET_BYTES: usize = 64 << 20;
 
-/// A window that shows nothing after so long is left: that is no fault by itself.
+/// A window that shows nothing after this time is closed: that is not a fault by itself.
 const LOOK: Duration = Duration::from_secs(3);
 
-/// A way.
+/// A path through the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Way {
     Info,
@@ -33,12 +33,12 @@ pub(crate) enum Way {
     Settings,
     /// From a server on this machine, as a live stream.
     Connect,
-    /// Does what is wrong, to be found.
+    /// Commits a fault, to be found.
     Fault,
 }
 
 impl Way {
-    /// Those of a set.
+    /// Paths of a set.
     pub(crate) fn of_set(set: &str) -> &'static [Self] {
         if set == SETTINGS {
             &[Self::Settings]
@@ -174,7 +174,7 @@ fn connect(input: &Path) {
     server.join().unwrap();
 }
 
-/// Does what the name of `input` says.
+/// Commits the fault that `input` is named after.
 fn fault(input: &Path) {
     match input.file_stem().unwrap().to_str().unwrap() {
         "panics" => panic!("as asked for"),

@@ -24,7 +24,7 @@ fn value(harness: &Harness<'_, State>, label: &str) -> f64 {
     field.accesskit_node().numeric_value().unwrap()
 }
 
-/// Chooses what the sequence does after keyframe `number`.
+/// Chooses the sequence's behaviour after keyframe `number`.
 fn choose_after(harness: &mut Harness<'_, State>, number: usize, entry: &str) {
     let list = format!("After keyframe {number}");
     harness.get_by_role_and_label(Role::ComboBox, &list).click();

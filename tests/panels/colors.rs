@@ -1,4 +1,4 @@
-//! Colours: what is there is listed, and what is chosen is drawn and explained.
+//! Colours: the available ones are listed, and the chosen one is drawn and explained.
 
 use super::settings::choose;
 use super::walk::{FRAMES, load_all, options};

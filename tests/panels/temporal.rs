@@ -1,4 +1,4 @@
-//! Change maps and onion skin: what other poses add to the picture.
+//! Change maps and onion skin: additions to the image from other frames.
 
 use super::settings::slide;
 use super::{options, sequence, window, window_on};

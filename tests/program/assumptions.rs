@@ -1,4 +1,4 @@
-//! Guesses on stderr: each is a line, and what a person chooses is none.
+//! Guesses on stderr: each is a line; the user's choices are not listed.
 
 use pointreel::assumption::Subject;
 use std::fs;
@@ -20,7 +20,7 @@ fn cloud(folder: &Path) -> PathBuf {
     path
 }
 
-/// The lines on stderr of a picture of `input`.
+/// The lines on stderr when `input` is rendered.
 fn said(input: &Path, more: &[&str]) -> Vec<String> {
     let picture = input.with_extension("png");
     let output = Command::new(env!("CARGO_BIN_EXE_pointreel"))

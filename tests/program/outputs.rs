@@ -1,4 +1,4 @@
-//! Nothing is written or lost in silence: outputs of `convert` and `render` that are refused, what is resumed, what a
+//! Nothing is written or lost in silence: outputs of `convert` and `render` that are refused, resuming, data that a
 //! target cannot hold.
 
 use pointreel::cloud::Positions;
@@ -40,7 +40,7 @@ fn refused(folder: &Path, arguments: &[&str], expected: &[&str]) {
     }
 }
 
-/// It ends well; what it said on stdout and stderr.
+/// It succeeds; its stdout and stderr.
 fn done(folder: &Path, arguments: &[&str]) -> (String, String) {
     let output = run_in(folder, arguments);
     assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));

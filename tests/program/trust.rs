@@ -1,4 +1,4 @@
-//! What a stranger sends and what two programs do at once: nothing reaches the terminal but text, sessions open nothing
+//! Untrusted input and two concurrent programs: nothing reaches the terminal but text, sessions open nothing
 //! unasked, pipes and devices are refused, sources are never destroyed, and an output has one writer.
 
 use std::fs;

@@ -11,7 +11,7 @@ const GROUP: usize = 6;
 /// Points of the levels of a frame.
 const LEVELS: [usize; 4] = [1600, 6400, 25_600, 102_400];
 
-/// Poses of which each is made from the one before in its group, all in levels.
+/// Frames, each made from the previous one in its group, all in levels.
 struct Chained {
     entries: Vec<Arc<FrameEntry>>,
     /// How often each pose was made.

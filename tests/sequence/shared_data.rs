@@ -1,4 +1,4 @@
-//! Real sequences: the demo, which is part of the program, and those of the shared data.
+//! Real sequences: the demo, which is part of the program, and the shared data.
 
 use super::data::shared;
 use super::*;

@@ -87,7 +87,7 @@ fn declared_lengths_take_no_memory() {
     }
 }
 
-/// A capture of one turn of 600 packets, and what is in it.
+/// A capture of one revolution of 600 packets, and its expected points.
 fn one_large_turn() -> (Files, PathBuf, Vec<io::Entry>) {
     let scan = Scan {
         model: &MODELS[0],

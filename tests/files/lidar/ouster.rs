@@ -534,7 +534,7 @@ fn a_scan_is_read_without_the_rest_of_the_capture() {
     let path = files.write("drive.pcap", &writer.bytes);
     let options = ReadOptions::default();
     let entries = io::list(&path, &options).unwrap();
-    // Noise in place of the first and the last frame.
+    // Noise instead of the first and the last frame.
     let third = writer.bytes.len() / 3;
     writer.bytes[24..third].fill(0xff);
     writer.bytes[2 * third + 24..].fill(0xff);
@@ -551,7 +551,7 @@ fn a_scan_is_read_without_the_rest_of_the_capture() {
 #[test]
 fn a_window_across_the_first_measurement_is_not_cut() {
     let sensor = SMALL;
-    // Measurements 384 to 511 and 0 to 127: the sensor increments the frame number in the middle of the window.
+    // Measurements 384 to 511 and 0 to 127: the sensor increments the frame number mid-window.
     let mut writer = Writer::new(Container::Pcap, Link::Ethernet);
     let mut after = 0;
     for frame in 0..5 {

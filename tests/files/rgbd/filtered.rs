@@ -1,4 +1,4 @@
-//! Usual filters say what they drop, and never drop most of an image.
+//! Usual filters report the pixels they drop, and never drop most of an image.
 
 use super::open_with;
 use super::recording::{HEIGHT, WIDTH, gray};

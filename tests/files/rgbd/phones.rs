@@ -157,7 +157,7 @@ fn record3d_archives_give_the_same_recording() {
     assert!(error.contains("walk.r3d") && error.contains("archive"), "{error}");
 }
 
-/// Films are not decoded: the size that the matrix is for is told by its principal point.
+/// Videos are not decoded: the size that the matrix is for is estimated from its principal point.
 #[test]
 fn the_camera_matrix_of_a_video_is_for_larger_images() {
     let folder = tempfile::tempdir().unwrap();

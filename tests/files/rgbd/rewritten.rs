@@ -68,7 +68,7 @@ pub(crate) fn scannet_info(recording: &Recording, folder: &Path) -> RgbdOptions 
     RgbdOptions::default()
 }
 
-/// Names of 7-Scenes, PGM in place of PNG, and the camera next to them.
+/// Names of 7-Scenes, PGM instead of PNG, and the camera next to them.
 pub(crate) fn tsdf_fusion(recording: &Recording, folder: &Path) -> RgbdOptions {
     for frame in 0..FRAMES {
         let file = |end: &str| folder.join(format!("frame-{frame:06}.{end}"));

@@ -2,7 +2,7 @@
 
 use crate::random::Random;
 
-/// Bytes at which what decides on the rest usually is.
+/// Number of leading bytes that mostly decide on the rest.
 const HEAD_BYTES: usize = 256;
 
 /// Whole numbers that tend to be wrong: edges of types, signs, sizes that nothing has.

@@ -1,4 +1,4 @@
-//! Changes of the values of JSON, so that what is written is JSON still.
+//! Changes of the values of JSON, so that the result is still JSON.
 
 use super::text;
 use crate::random::Random;

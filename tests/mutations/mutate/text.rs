@@ -4,7 +4,7 @@ use super::binary;
 use crate::random::Random;
 use std::ops::Range;
 
-/// What stands in for a number.
+/// Replacements of a number.
 const NUMBERS: [&str; 24] = [
     "nan",
     "-nan",

@@ -1,4 +1,4 @@
-//! First bytes of files, which claim what they are told to.
+//! First bytes of files, with arbitrary claims.
 
 use std::fmt::Write as _;
 
@@ -229,7 +229,7 @@ pub(super) fn png(size_px: [u32; 2], bits: u8, color: u8, data: &[u8]) -> Vec<u8
     bytes
 }
 
-/// Zeros by zlib, so many bytes.
+/// Zeros by zlib, this many bytes.
 pub(super) fn zlib_of_zeros(length: u64) -> Vec<u8> {
     use std::io::Write as _;
     let mut packed = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
