@@ -6,7 +6,7 @@
 //! reaches, so that lattices must have no holes at all; among points at random a few cells are cut off wrongly, because
 //! more neighbours than there are in a list take part in them.
 //!
-//! For real frames, whose surface nobody knows, see `tests/files/real_frames.rs`.
+//! For real frames, whose surface is unknown, see `tests/files/real_frames.rs`.
 
 #![expect(
     clippy::print_stdout,
@@ -101,7 +101,7 @@ impl Shape {
     }
 
     /// About `count` places in rows: a spiral of the golden angle on the sphere (Swinbank and Purser 2006), a grid that
-    /// is square on the middle of the torus.
+    /// is square at the centre of the torus.
     fn regular(self, count: usize) -> Vec<Place> {
         match self {
             Self::Sphere => (0..count)
@@ -194,7 +194,7 @@ fn positions_of(places: &[Place]) -> Vec<Vec3> {
     places.iter().map(|place| place.0).collect()
 }
 
-/// As many samples of `count` points as make [`POINTS_OF_SAMPLES`].
+/// Samples of `count` points, enough to make [`POINTS_OF_SAMPLES`].
 fn samples(count: usize, sample: impl FnMut() -> Vec<Vec3>) -> Vec<Vec<Vec3>> {
     std::iter::repeat_with(sample).take(POINTS_OF_SAMPLES / count).collect()
 }

@@ -1,4 +1,4 @@
-//! Pictures of both renderers, and what they are made of: with known answers, beside one another, beside truths.
+//! Images of both renderers, and their inputs: with known answers, compared with each other and with ground truths.
 //!
 //! One program for all of them: to link one for each file took longer than to run them, and they share a device.
 

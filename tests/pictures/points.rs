@@ -167,8 +167,8 @@ fn no_point_vanishes_at_any_distance() {
     }
 }
 
-/// Adaptive points are disks that face the screen, as large as surfels are: of surfels that do so by themselves they
-/// are the picture, in whatever light.
+/// Adaptive points are disks that face the screen, as large as surfels are: where surfels do so by themselves the image
+/// is the same, in any light.
 #[test]
 fn adaptive_points_are_surfels_that_face_the_screen() {
     let mut cloud = sphere(700, 1.0);
@@ -212,7 +212,7 @@ fn step(a: Rgba<u8>, b: Rgba<u8>) -> u8 {
     steps.max().unwrap_or(0)
 }
 
-/// As points that face the screen stand behind one another on slopes, their rims are opaque.
+/// As points that face the screen stand behind one another on slopes, their edges are opaque.
 #[test]
 fn no_background_shines_through_gaussian_points() {
     let style = points(|style| {

@@ -46,7 +46,7 @@ fn camera() -> Camera {
     }
 }
 
-/// Pictures without shadows and with them, by each renderer.
+/// Images without shadows and with them, by each renderer.
 fn without_and_with(packet: &ScenePacket) -> [([RgbaImage; 2], &'static str); 2] {
     let mut without = packet.clone();
     without.style.light.shadows = OnOff::Off;
@@ -164,7 +164,7 @@ fn enters([low, high]: [DVec3; 2], from: DVec3, ray: DVec3) -> Option<f64> {
     (first < last && first > 0.0).then_some(first)
 }
 
-/// What rays say of a pixel.
+/// The result of rays for a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Floor {
     Lit,
@@ -173,7 +173,7 @@ enum Floor {
     Unsure,
 }
 
-/// Whether the middle of a pixel shows the floor, and whether the box is between all places within `margin` and the
+/// Whether the centre of a pixel shows the floor, and whether the box is between all positions within `margin` and the
 /// lamp.
 fn floor_at(packet: &ScenePacket, to_lamp: DVec3, [x, y]: [u32; 2], margin: f64) -> Floor {
     let view = &packet.view;

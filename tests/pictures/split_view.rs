@@ -1,4 +1,4 @@
-//! The pictures of two sequences beside each other, by both renderers.
+//! The images of two sequences side by side, by both renderers.
 
 use crate::common::{covered, difference, draw, draw_on_cpu};
 use glam::{DVec2, DVec3, Vec3};
@@ -69,7 +69,7 @@ fn packets(state: &mut State) -> [ScenePacket; 2] {
     [state.next_packet(), state.next_other_packet()].map(Option::unwrap)
 }
 
-/// Both pictures by the processor, and both by the adapter.
+/// Both images by the CPU, and both by the adapter.
 fn drawn_by_each(packets: &[ScenePacket; 2]) -> [[RgbaImage; 2]; 2] {
     [packets.each_ref().map(draw_on_cpu), packets.each_ref().map(draw)]
 }
@@ -104,7 +104,7 @@ fn a_sequence_compared_with_itself_has_equal_halves_and_no_error() {
     }
 }
 
-/// Where the records of a packet are in its picture.
+/// Positions of the records of a packet in its image.
 fn on_picture(packet: &ScenePacket) -> Vec<DVec2> {
     let [width, height] = packet.viewport_px.map(f64::from);
     let place = |position: [f32; 3]| {

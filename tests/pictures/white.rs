@@ -26,7 +26,7 @@ use std::sync::Arc;
 
 const SIZE: [u32; 2] = [240, 200];
 
-/// What rounding to bytes may take from white.
+/// The maximum that rounding to bytes may take from white.
 const MIN_WHITE: u8 = 254;
 
 /// The modes that blend beyond the rims of disks that touch, or blend nothing.
@@ -135,7 +135,7 @@ fn with_strategy(style: &Style, strategy: Strategy) -> Style {
     style.with(|style| style.drawing.strategy = strategy)
 }
 
-/// What is drawn by the processor, and by each strategy of the GPU.
+/// The image of the CPU, and of each strategy of the GPU.
 fn for_each_picture(frame: &PreparedFrame, style: &Style, mut check: impl FnMut(&RgbaImage, &str)) {
     check(&draw_on_cpu(&packet_of(frame, style)), "processor");
     for &strategy in Strategy::ALL {
@@ -144,7 +144,7 @@ fn for_each_picture(frame: &PreparedFrame, style: &Style, mut check: impl FnMut(
     }
 }
 
-/// Coarse disks are large beside pixels, so that some are in the corners where three disks only just meet.
+/// Coarse disks are large compared with pixels, so that some are in the corners where three disks only just meet.
 #[test]
 fn surfels_in_the_modes_that_close_surfaces_are_white() {
     for count in [300, 3_000, 30_000] {
@@ -172,7 +172,7 @@ fn sprites_in_the_modes_that_close_surfaces_are_white() {
     }
 }
 
-/// Of disks that are not enlarged, three rims sum up to less than what is opaque.
+/// Of disks that are not enlarged, three edges sum up to less than opaque.
 #[test]
 fn two_pass_surfels_are_white_except_for_corners_between_disks() {
     for (count, max_share) in [(300, 0.05), (3_000, 0.003), (30_000, 0.001)] {
@@ -219,7 +219,7 @@ fn filtered_surfels_in_the_modes_that_close_surfaces_are_white_inside_outlines()
     }
 }
 
-/// What the largest disks in the ellipses cover is covered by the ellipses.
+/// Everything covered by the largest disks in the ellipses is covered by the ellipses.
 #[test]
 fn ellipses_in_the_modes_that_close_surfaces_are_white() {
     let of_ellipses = |splatting| in_mode(splatting).with(|style| style.primitive = Primitive::Ellipse);
@@ -272,7 +272,7 @@ fn weakly_enlarged_surfels_are_white() {
     }
 }
 
-/// Where masks are opacities, what is behind shines through their rims: Fig. 3 (a) and (b) of the paper show that.
+/// Where masks are opacities, the background shines through their edges: Fig. 3 (a) and (b) of the paper show that.
 #[test]
 fn one_pass_shows_the_artefacts_of_the_paper() {
     let frame = white_sphere(3_000, &white());
@@ -472,7 +472,7 @@ fn kernels_are_white() {
     }
 }
 
-/// As exact disks and as masks: pixels of single cells are no surface.
+/// As exact disks and as masks: pixels of single cells are not a surface.
 #[test]
 fn byte_codes_are_white() {
     for footprint in [Footprint::Disks, Footprint::Masks] {

@@ -66,7 +66,7 @@ fn u16_at(bytes: &[u8], place: usize) -> Option<usize> {
     Some(usize::from(u16::from_le_bytes(field.try_into().ok()?)))
 }
 
-/// Eight bytes of `bytes` as a number, lowest first; bytes beyond the end give more than any file has.
+/// Eight bytes of `bytes` as a number, lowest first; `usize::MAX` if it does not fit.
 fn u64_at(bytes: &[u8], place: usize) -> Option<usize> {
     let field = bytes.get(place..place.checked_add(8)?)?;
     Some(usize::try_from(u64::from_le_bytes(field.try_into().ok()?)).unwrap_or(usize::MAX))

@@ -6,7 +6,7 @@ use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy};
 use naga::{AddressSpace, Module, ResourceBinding, StorageAccess, TypeInner};
 use std::collections::BTreeMap;
 
-/// What wgpu asks for where a driver does not check by itself.
+/// Checks that wgpu requests where a driver has none.
 const BOUNDS: BoundsCheckPolicies = BoundsCheckPolicies {
     index: BoundsCheckPolicy::Restrict,
     buffer: BoundsCheckPolicy::Restrict,
@@ -14,7 +14,7 @@ const BOUNDS: BoundsCheckPolicies = BoundsCheckPolicies {
     binding_array: BoundsCheckPolicy::Unchecked,
 };
 
-/// What wgpu lets SPIR-V use on every device with Vulkan.
+/// Capabilities that wgpu lets SPIR-V use on every Vulkan device.
 const CAPABILITIES: [spv::Capability; 7] = [
     spv::Capability::Shader,
     spv::Capability::Matrix,
@@ -25,7 +25,7 @@ const CAPABILITIES: [spv::Capability; 7] = [
     spv::Capability::StorageImageExtendedFormats,
 ];
 
-/// What is bound, as far as registers depend on it.
+/// The bindings, as far as registers depend on them.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Uniform,

@@ -1,4 +1,4 @@
-//! What an octree must say, found by looking at every cell on its own.
+//! Expected answers of an octree, found by testing every cell on its own.
 
 use glam::Vec3;
 use pointreel::cloud::VoxelRecord;
@@ -27,7 +27,7 @@ fn level_and_cell(cube: &Cube, voxel: &VoxelRecord) -> (u32, [u32; 3]) {
     (level, cell_of(cube, Vec3::from_array(voxel.center), level))
 }
 
-/// Leaves hold all points and nothing else, each point is near the middle of its leaf, and the depth is the first that
+/// Leaves hold all points and nothing else, each point is near the centre of its leaf, and the depth is the first that
 /// loses little enough.
 pub(crate) fn check_octree(name: &str, tree: &Octree, positions: &[Vec3], delta: f32) {
     let (cube, depth) = (tree.cube(), tree.depth());
