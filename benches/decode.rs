@@ -9,7 +9,7 @@
 //!
 //! Not measured: a cold disk, memory that the process touches for the first time (the loops reuse theirs), the check
 //! into a `Frame`, normals and radii (`benches/normals.rs`, `benches/prepare.rs`). All on one thread. Target: the
-//! binary PLY in well under 5 ms; the other two rows say how far from the floor that is.
+//! binary PLY in well under 5 ms; the other two rows show the distance from the floor.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use pointreel::io;

@@ -4,8 +4,8 @@
 //! - *read*: [`std::fs::read`] of the same file, which no reader of all bytes can beat.
 //!
 //! The three take turns, so that a machine that slows down meanwhile slows all; medians. Not criterion, which measures
-//! one after the other: on a shared machine a ratio of two minutes says little. `cargo bench --bench load -- ply`
-//! measures one format.
+//! one after the other: on a shared machine a ratio of times minutes apart says little. `cargo bench --bench load --
+//! ply` measures one format.
 //!
 //! Targets: binary PLY at 60 % of the plain read, text at 100 MB/s a core. Not measured: a cold disk.
 

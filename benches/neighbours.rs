@@ -81,7 +81,7 @@ fn in_morton_order(positions: &[Vec3]) -> Vec<Vec3> {
     order.par_iter().map(|&index| positions[index as usize]).collect()
 }
 
-/// Prints how far both kinds of normals are from the true ones.
+/// Prints the errors of both kinds of normals.
 #[expect(clippy::print_stdout, reason = "part of the result")]
 fn compare_normals(positions: &[Vec3]) {
     let truth = shapes::bumpy_torus_normals(POINTS);

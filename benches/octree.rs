@@ -98,7 +98,7 @@ fn build(criterion: &mut Criterion) {
     }
 }
 
-/// Rounds of each thing that takes turns.
+/// Rounds of each alternating case.
 const ROUNDS: usize = 50;
 
 #[expect(clippy::print_stdout, reason = "what is measured by turns")]

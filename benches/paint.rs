@@ -1,4 +1,4 @@
-//! Painting egui on the processor: the program's own window of 1280×800, panels, text and all.
+//! Painting egui on the CPU: the program's own window of 1280×800, with all panels and text.
 //!
 //! Measured: the cost of a frame from egui's shapes to pixels, that is comparing the shapes with those of the last
 //! frame, tessellating the new ones and painting the damage; for a window that is all new, one in which only the 3-D
@@ -76,7 +76,7 @@ impl Window {
         output.shapes
     }
 
-    /// Shows shapes and paints what changed; returns how many pixels that were.
+    /// Shows shapes and paints the changes; returns the number of pixels.
     fn frame(&mut self, shapes: &[ClippedShape], pictures: &[(TextureId, &RgbaImage)], size_px: [u32; 2]) -> u64 {
         self.painter.show(&self.ctx, shapes.to_vec(), 1.0, size_px);
         let damage = self.painter.take_damage();

@@ -1,4 +1,4 @@
-//! Sequence files: bits a point by stream, and how long encoding and decoding take.
+//! Sequence files: bits per point by stream, and times of encoding and decoding.
 //!
 //! Measured, in memory: a bumpy torus at 10 bits, geometry alone (lossless voxels); the same surface sampled so densely
 //! that most cells are occupied; the torus with normals and colours at the sampling density, and lossless; and, where

@@ -3,7 +3,7 @@
 //! - A module of the root never names one to its right; see the table in `src/lib.rs`. Comments and
 //!   tests count as well.
 //! - A part of a module (a folder) imports only those before it, where the list `PARTS` has the module.
-//! - `wgpu` and `egui` are named only where a list says so, and a build without their features has neither.
+//! - `wgpu` and `egui` are named only where a list allows it, and a build without their features has neither.
 //! - Files that import one another are a *knot*. A name counts for the file that defines it, whatever re-exports it is
 //!   reached through; so a parent that only declares or re-exports a child does not import it, and a child that uses a
 //!   re-export of its parent imports the sibling. Comments, tests, and items reached without being named (methods and

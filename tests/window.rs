@@ -30,7 +30,7 @@ const RIGHT: u32 = 0xff53;
 const L: u32 = 0x6c;
 const F11: u32 = 0xffc8;
 
-/// Processor time of a process so far, in the kernel's ticks of 10 ms.
+/// CPU time of a process so far, in the kernel's ticks of 10 ms.
 #[cfg(target_os = "linux")]
 fn cpu_ticks(child: &Child) -> u64 {
     let stat = std::fs::read_to_string(format!("/proc/{}/stat", child.id())).unwrap();

@@ -1,4 +1,4 @@
-//! Times of things that take turns, so that a machine that slows down meanwhile slows all of them.
+//! Times of alternating cases, so that a machine that slows down meanwhile slows all of them.
 
 use std::time::Instant;
 

@@ -7,7 +7,7 @@ use libfuzzer_sys::fuzz_target;
 use pointreel::io::{self, ReadOptions};
 use std::path::Path;
 
-/// Turns of a sensor that are read.
+/// Number of revolutions read per sensor.
 const READ: usize = 3;
 
 /// Sixteen beams, small packets.

@@ -186,7 +186,7 @@ impl Cut {
 pub struct CutHints<'a> {
     /// Nodes whose points all face away from the eye may be dropped.
     pub culls_back_faces: bool,
-    /// The cut of the view before, of the same points: near the threshold, divided nodes stay divided, and others
+    /// The cut of the previous view, of the same points: near the threshold, divided nodes stay divided, and others
     /// stay whole. Without it a node is divided or not by the threshold alone.
     pub before: Option<&'a Cut>,
 }

@@ -2,7 +2,7 @@
 //!
 //! How it works: the points are in Morton order, so every second, fourth or eighth of them is spread as evenly as all
 //! are. Level `depth` is the whole list, each level above it half of the one below, with radii that close the surface
-//! of that many points. Nothing is built, nothing is culled, and a list knows no sizes on the screen: a threshold draws
+//! of that many points. Nothing is built, nothing is culled, and a list knows no screen-space sizes: a threshold draws
 //! all points; a level, a number or a time sets how many are drawn.
 //!
 //! When it wins: where a frame is seen once, from outside, and there is no time to build a tree.

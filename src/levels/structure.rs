@@ -38,7 +38,7 @@ pub trait Levels: Debug + Send + Sync {
     /// Cells that the eye is in are always divided, so that around it some more are emitted than a very small number.
     ///
     /// How it works: a higher threshold never emits more, so thresholds are bisected. Counting is cheap compared with
-    /// drawing: it reads a byte for each point that is drawn. A cut before is only remembered for hysteresis where it
+    /// drawing: it reads a byte for each point that is drawn. A previous cut is only remembered for hysteresis where it
     /// still fits: a threshold that emits at least three quarters of the allowed number stays.
     fn cut_at_most(&self, max_nodes: usize, view: &SelectView, hints: CutHints<'_>) -> Cut {
         let cached = hints.before.map(Cut::lod_px);
@@ -82,7 +82,7 @@ pub trait Levels: Debug + Send + Sync {
 pub struct LevelsSize {
     /// All nodes, leaves included.
     pub nodes: usize,
-    /// Size in bytes, in addition to the records of the points that it is made of.
+    /// Size in bytes, in addition to the records of the points that it is built from.
     pub bytes: usize,
 }
 

@@ -212,8 +212,8 @@ const BLOCKS_PER_TASK: usize = 256;
 ///
 /// `floor(offset / cell)` needs a correctly rounded division to put a point that lies on a border into the right cell.
 /// A multiplication with the reciprocal is faster but not exact, so it is only rounded to the *nearest* border, and a
-/// second look says on which side of it the point is: `border · cell` is exact in f64 (22 bits times the 24 of an f32),
-/// so comparing it with the offset is, too.
+/// second test determines on which side of it the point is: `border · cell` is exact in f64 (22 bits times the 24 of an
+/// f32), so comparing it with the offset is, too.
 struct Quantizer {
     min: DVec3,
     cell: f64,

@@ -8,7 +8,7 @@
 //! passes of 14 bits were faster than three of 8 to 10 bits, four of 7, and two of 11 to 13, which leave more to the
 //! insertion sort.
 //!
-//! The sort is stable, and nothing is done by several threads.
+//! The sort is stable, and single-threaded.
 
 use super::items;
 

@@ -1,7 +1,7 @@
 //! Morton codes: the three coordinates of a cell with their bits interleaved, so that sorting codes sorts cells in the
 //! order in which an octree visits them.
 //!
-//! A code has three bits a level, the coarsest level in the highest: bit `3i` is bit `i` of x, bit `3i + 1` of y, bit
+//! A code has three bits per level, the coarsest level in the highest: bit `3i` is bit `i` of x, bit `3i + 1` of y, bit
 //! `3i + 2` of z. Three bits read as a number are the *octant* of a cell in its parent. Two codes share exactly the
 //! cells above the level at which their highest different bit lies ([`PackedCell`] says which); the 4D media paper
 //! §VI-A needs no more than that to count the occupied cells of every level.
@@ -130,7 +130,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Bit by bit, as the definition says.
+    /// Bit by bit, as defined.
     fn encode_slowly(cell: [u32; 3]) -> u64 {
         let mut code = 0;
         for bit in 0..LEVELS {

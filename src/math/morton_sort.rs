@@ -20,7 +20,7 @@
 //!
 //! Codes that are in order already, which one pass over them checks, are left alone.
 //!
-//! Of up to 2¹⁷ codes the caches hold all, and [`super::few_codes`] sorts them without buckets.
+//! Up to 2¹⁷ codes fit into the caches, and [`super::few_codes`] sorts them without buckets.
 //!
 //! The sort is stable: equal codes stay in the order in which they were given. Nothing depends on timing or threads.
 
@@ -214,7 +214,7 @@ impl<T: Copy + Default> Sorter<T> {
     fn sort_items(&mut self, layout: ItemLayout) {
         /// Up to this many items are sorted by comparison in less time than the counters of a radix sort are cleared.
         const FEW: usize = 64;
-        /// The counters of so wide a digit are a quarter of a first cache.
+        /// The counters of a digit of this width are a quarter of an L1 cache.
         const MAX_DIGIT_BITS: u32 = 11;
         let count = self.items.len();
         // Three bits divide a surface into four. One more level, so that few cells contain two points.

@@ -304,7 +304,7 @@ fn flatten(stream: TokenStream, tokens: &mut Vec<String>) {
     }
 }
 
-/// How many tokens there are up to the bracket, itself included, that closes the first one.
+/// Number of tokens up to the bracket, inclusive, that closes the first one.
 fn closing(tokens: &[&str]) -> usize {
     let mut depth = 0;
     for (i, token) in tokens.iter().enumerate() {
@@ -324,7 +324,7 @@ fn depth_of(token: &str) -> i32 {
     }
 }
 
-/// How many tokens the first item has: up to a semicolon or the end of its braces.
+/// Number of tokens of the first item: up to a semicolon or the end of its braces.
 fn end_of_item(tokens: &[&str]) -> usize {
     let mut depth = 0;
     for (i, token) in tokens.iter().enumerate() {

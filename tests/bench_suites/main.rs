@@ -1,4 +1,4 @@
-//! Each benchmark suite runs on the demo, in small, and says the same in its table, JSON and CSV.
+//! Each benchmark suite runs on the demo at small size, and has the same figures in its table, JSON and CSV.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking, in its helpers too")]
 

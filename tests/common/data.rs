@@ -3,7 +3,7 @@
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// A file or folder of that data. Where it is missing that is said, for a test that looks at less must not pass in
+/// A file or folder of that data. If it is missing, that is reported, as a test that checks less must not pass in
 /// silence; and under continuous integration (`CI=true`), where it has to be there, the test fails.
 pub(crate) fn shared(name: &str) -> Option<PathBuf> {
     let project = Path::new(env!("CARGO_MANIFEST_DIR"));

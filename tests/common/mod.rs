@@ -26,7 +26,7 @@ pub(crate) fn software() -> ContextOptions {
     }
 }
 
-/// Opens a device or says what to install.
+/// Opens a device or reports what to install.
 pub(crate) fn open(options: &ContextOptions) -> Arc<Context> {
     Context::headless(options).unwrap_or_else(|error| panic!("{error}"))
 }
@@ -55,7 +55,7 @@ pub(crate) fn draw_with(renderer: &mut GpuRenderer, packet: &ScenePacket) -> Rgb
     renderer.read_image().unwrap()
 }
 
-/// Draws a packet on the processor.
+/// Draws a packet on the CPU.
 pub(crate) fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
     let mut renderer = CpuRenderer::new();
     renderer.prepare(packet).unwrap();

@@ -205,7 +205,7 @@ pub(crate) fn frame(count: usize, style: &Style) -> PreparedFrame {
     )
 }
 
-/// Settings without light, with a black background; disks as large as points are apart.
+/// Settings without light, with a black background; disks as large as the point spacing.
 pub(crate) fn style() -> Style {
     plain().with(|style| {
         style.surfels.splatting = Splatting::TwoPass;

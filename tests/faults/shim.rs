@@ -92,7 +92,7 @@ pub(crate) fn arm() -> bool {
     true
 }
 
-/// Writes how many calls of each kind there were.
+/// Writes the number of calls of each kind.
 pub(crate) fn report() {
     IS_ARMED.store(false, Relaxed);
     let counts = COUNTS.each_ref().map(|count| count.load(Relaxed).to_string());
@@ -103,7 +103,7 @@ fn how() -> How {
     How::ALL[usize::from(HOW.load(Relaxed))]
 }
 
-/// Counts a call, and says whether it is to fail.
+/// Counts a call, and returns whether it is to fail.
 fn fails(kind: Kind) -> bool {
     if !IS_ARMED.load(Relaxed) {
         return false;

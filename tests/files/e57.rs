@@ -71,7 +71,7 @@ fn positions(cloud: &RawCloud) -> &[[f64; 3]] {
     }
 }
 
-/// A quarter of a turn about z, and then by (10, 20, 30).
+/// A rotation by 90° about z, and then by (10, 20, 30).
 fn pose() -> Transform {
     let half = std::f64::consts::FRAC_1_SQRT_2;
     Transform {
@@ -306,7 +306,7 @@ fn declared_sizes_are_checked_against_the_file() {
     let error = with("cartesianX", "cartesianx").unwrap_err();
     assert!(error.to_string().contains("no coordinates"), "{error}");
 
-    // Fields that are said to be constant have no bits: no byte of the file vouches for the number of points.
+    // Fields that are declared constant have no bits: no byte of the file vouches for the number of points.
     for (count, is_read) in [(3, true), (100_000, false)] {
         let axes = [RecordName::CartesianX, RecordName::CartesianY, RecordName::CartesianZ];
         let prototype = axes.map(|name| (name, integer(4, 5)));

@@ -424,7 +424,7 @@ fn a_damaged_animation_fails_once() {
     let options = ReadOptions::default();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.gltf");
-    // A hundred thousand poses, and an array that is too short for each of them.
+    // 100,000 poses, and an array that is too short for each of them.
     let mut damaged = moving("CUBICSPLINE", &[[0.0; 3], [2.0, 0.0, 0.0]]);
     let times = damaged.floats("SCALAR", &[[1.0], [3e30]]);
     damaged.json["animations"][0]["samplers"][0]["input"] = json!(times);

@@ -71,7 +71,7 @@ prop_compose! {
     }
 }
 
-/// `read` as the precision of `original`, where a format says nothing of it.
+/// `read` as the precision of `original`, where a format does not define it.
 fn as_precise(read: &Positions, original: &Positions) -> Positions {
     match (read, original) {
         (Positions::F64(read), Positions::F32(_)) => {

@@ -1,4 +1,4 @@
-//! A property: whatever a cloud has is in the file that is written of it, or a line says that it is not.
+//! A property: everything in a cloud is in the file written from it, or a line reports its loss.
 
 use glam::Vec3;
 use pointreel::cloud::{Ellipse, ImageGrid, Positions, RawCloud, ScalarField};

@@ -111,7 +111,7 @@ const OPEN: f64 = 0.002;
 /// Rays that must find one when disks have a quarter of their radius, or the test would see none at all.
 const OPEN_AT_A_QUARTER: f64 = 0.05;
 
-/// Share of rays that hit the surface but no disk of `scale` times its radius.
+/// Fraction of rays that hit the surface but no disk of `scale` times its radius.
 ///
 /// The surface of a scan is known only between points; so it is taken to be the triangles whose corners are all close
 /// to each other. A ray goes through the centre of each, along the mean of the normals of its corners. It hits a disk

@@ -313,7 +313,7 @@ fn beside<T: Send + 'static>(name: &str, work: impl FnOnce() -> T + Send + 'stat
     thread::Builder::new().name(name.to_owned()).spawn(work).unwrap();
 }
 
-/// Serves `path` until the end of the test, and says where.
+/// Serves `path` until the end of the test, and returns its address.
 fn served(path: &Path) -> String {
     let server = FileServer::bind(path, "127.0.0.1:0".parse().unwrap(), FileServerOptions::default()).unwrap();
     let url = server.url().unwrap();

@@ -115,7 +115,7 @@ fn options(preferences: Preferences) -> StateOptions {
     }
 }
 
-/// Opens `input` as a window does, looks at it, and plays a little.
+/// Opens `input` as a window does, orbits, and plays a little.
 fn window(input: &Path) {
     let mut state = State::new(options(Preferences::default()));
     state.open_paths(vec![input.to_owned()]);

@@ -1,8 +1,8 @@
 //! Long runs, in rounds over all sets: findings are minimised and saved, and a table lists the work done.
 //!
 //! Configured by the environment, as `scripts/fuzz.sh` does: `MUTATIONS_SECONDS`, `MUTATIONS_SETS` (names with commas
-//! between; default: all), `MUTATIONS_SEEDS` (folders, parted as in `PATH`), `MUTATIONS_RUN` (a number that other cases
-//! come of; default: the time), `MUTATIONS_FOUND` (the folder for findings; default: `fuzz/found`).
+//! between; default: all), `MUTATIONS_SEEDS` (folders, parted as in `PATH`), `MUTATIONS_RUN` (a seed for other cases;
+//! default: the time), `MUTATIONS_FOUND` (the folder for findings; default: `fuzz/found`).
 
 use crate::cases::{Case, retained_in};
 use crate::child::Order;
@@ -141,7 +141,7 @@ impl Rounds {
         say(&format!("found: {told}"));
     }
 
-    /// The case with as few changes as still come to the same finding.
+    /// The case with the fewest changes that give the same finding.
     fn smaller(&self, seed: &Case, case: Case, finding: &Finding) -> Case {
         let mut small = case;
         // Each attempt with these takes ten seconds.

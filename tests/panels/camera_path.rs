@@ -39,7 +39,7 @@ fn keys(harness: &Harness<'_, State>) -> Vec<(f64, f64)> {
     keys.map(|key| (key.time_s, key.frame)).collect()
 }
 
-/// Three keyframes two seconds apart, the camera turned by 40 degrees each, at frames 1, 6 and 6, counted from 1.
+/// Three keyframes two seconds apart, the camera rotated by 40 degrees each, at frames 1, 6 and 6, counted from 1.
 fn with_path() -> Harness<'static, State> {
     let mut harness = window();
     for (steps, fov_deg) in [(0, 45.0), (5, 38.7), (0, 45.0)] {

@@ -123,7 +123,7 @@ fn the_sequence_is_exported_as_png_files_from_in_to_out_point() {
     assert_eq!(picture.get_pixel(0, 0).0, [0; 4]);
     assert!(picture.pixels().any(|pixel| pixel.0[3] == 255));
 
-    // Exporting again would replace them, and says so.
+    // Exporting again would replace them, and a message says so.
     press(&mut harness, Modifiers::SHIFT, Key::P);
     assert!(harness.query_by_label_contains("it is replaced").is_some());
 }

@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How often the test looks at the window.
+/// Polling interval of the test.
 const STEP: Duration = Duration::from_millis(50);
 
 /// The window with the part of the event loop that draws.
@@ -66,7 +66,7 @@ impl Driven {
         }
     }
 
-    /// Goes on until nothing is under way and nothing was drawn for half a second.
+    /// Continues until nothing is in progress and nothing was drawn for half a second.
     fn settle(&mut self) {
         let patience = Instant::now();
         let mut steps_at_rest = 0;

@@ -120,7 +120,7 @@ fn until_drawn(harness: &mut Harness<'_, State>, posed_images: usize) {
     harness.run();
 }
 
-/// A few hundred disks as large as the gaps between them would be the first that anybody sees of a set.
+/// A few hundred disks as large as the gaps between them would be the initial view of a set.
 #[test]
 fn points_are_drawn_until_images_are_projected_onto_a_surface() {
     let folder = tempfile::tempdir().unwrap();

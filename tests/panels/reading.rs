@@ -75,7 +75,7 @@ fn until(harness: &mut Harness<'_, State>, is_so: impl Fn(&State) -> bool) {
     harness.run();
 }
 
-/// Lets a decoder go so far, and shows the window at `seconds`.
+/// Lets a decoder continue to this step, and shows the window at `seconds`.
 fn show(harness: &mut Harness<'_, State>, gate: &Gate, done: usize, seconds: f64) {
     gate.may_do.store(done, Ordering::Relaxed);
     while gate.has_done.load(Ordering::Relaxed) < done {

@@ -139,7 +139,7 @@ fn sizes_and_errors_are_shown_before_a_sequence_file_is_written() {
         "{written} bytes, {expected} were expected"
     );
 
-    // Saving again would replace it, and says so.
+    // Saving again would replace it, and a message says so.
     press(&mut harness, SAVE, Key::S);
     assert!(harness.query_by_label_contains("it is replaced").is_some());
     choose(&mut harness, "Positions", "Lossless");

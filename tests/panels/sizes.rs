@@ -1,4 +1,4 @@
-//! Windows of all sizes: nothing of the menu bar and the timeline is cut, or lies over something else.
+//! Windows of all sizes: no part of the menu bar and the timeline is cut, or overlaps another.
 
 use super::menu::choose_item;
 use super::{click, options, sequence, state_on};
@@ -69,7 +69,7 @@ fn collisions(harness: &Harness<'_, State>) -> Vec<String> {
     found
 }
 
-/// Which of them lie over each other, unless one is a part of the other.
+/// Pairs of them that overlap, unless one is a part of the other.
 fn overlaps(widgets: &[(String, Rect)]) -> Vec<String> {
     let mut found = Vec::new();
     for (index, (name, rect)) in widgets.iter().enumerate() {

@@ -72,7 +72,7 @@ fn covered_by_cube(packet: &ScenePacket) -> Vec<f64> {
     pixels.map(share).collect()
 }
 
-/// Mean and largest error of the pixels that the outline of the cube goes through.
+/// Mean and largest error of the pixels that the outline of the cube crosses.
 fn errors_of_outline(picture: &RgbaImage, covered: &[f64]) -> (f64, f64) {
     let edges = picture
         .pixels()

@@ -1,8 +1,8 @@
 //! Disks close the surfaces they are estimated from: rays at shapes whose surface is known find no holes, or next to
 //! none, and with disks a third smaller they do.
 //!
-//! A ray goes through a place on the true surface along its true normal. It finds a hole if it hits no disk near that
-//! place: beyond the disk's radius there may be another part of the surface. Disks are as large as a Voronoi cell
+//! A ray goes through a position on the true surface along its true normal. It finds a hole if it hits no disk near
+//! that place: beyond the disk's radius there may be another part of the surface. Disks are as large as a Voronoi cell
 //! reaches, so that lattices must have no holes at all; among points at random a few cells are cut off wrongly, because
 //! more neighbours than there are in a list take part in them.
 //!
@@ -122,7 +122,7 @@ impl Shape {
     }
 }
 
-/// Shares of rays through `places` that hit no disk of each of `scales` times its radius.
+/// Fractions of rays through `places` that hit no disk of each of `scales` times its radius.
 fn open_shares<const N: usize>(positions: &[Vec3], surface: &Surface, places: &[Place], scales: [f32; N]) -> [f64; N] {
     // Finds the nearest points of each position as its neighbours among points and positions: there are few positions
     // compared with the requested neighbours.
@@ -187,7 +187,7 @@ const SHAPES: [Shape; 2] = [Shape::Sphere, Shape::Torus];
 const COUNTS: [usize; 3] = [2_000, 5_000, 25_000];
 
 /// Points of random samples together: one cell that is cut off wrongly is more than one of 2000 parts of the surface,
-/// so that a few points at random say little.
+/// so that a few random points say little.
 const POINTS_OF_SAMPLES: usize = 25_000;
 
 fn positions_of(places: &[Place]) -> Vec<Vec3> {

@@ -15,7 +15,7 @@ use pointreel::scene::{BackFaces, Background, Camera, FirstLook, Primitive, Scen
 use pointreel::sequence::{OpenOptions, PrepareCounters, PreparedFrame, Sequence, Shape, complete, prepare};
 use std::sync::Arc;
 
-/// Share of the surfels' pixels that voxels cover, at least.
+/// Minimum fraction of the surfels' pixels that voxels cover.
 const COVERED: f64 = 0.99;
 
 /// Pixels that voxels cover outside, as a fraction of the surfels', and FLIP over the pixels that show the object in

@@ -58,7 +58,7 @@ fn ball(count: u32, radius: f32, is_white: bool, style: &Style) -> PreparedFrame
     prepared(raw, style)
 }
 
-/// By the processor, from the byte code.
+/// By the CPU, from the byte code.
 fn coded() -> Style {
     plain().with(|style| {
         // Pure white would not be recognised as colours.
@@ -94,7 +94,7 @@ fn gaps(picture: &RgbaImage, camera: &Camera, margin: f64) -> usize {
     picture.enumerate_pixels().filter(is_gap).count()
 }
 
-/// Directions from which a ball is looked at: along axes, where terraces of cells are widest at its outline, and across
+/// Directions from which a ball is seen: along axes, where terraces of cells are widest at its outline, and across
 /// them.
 const VIEWS_DEG: [[f64; 2]; 5] = [[0.0, 0.0], [90.0, 0.0], [0.0, 90.0], [45.0, 0.0], [30.0, 35.0]];
 

@@ -61,7 +61,7 @@ fn surfel_scene(style: Style, distance: f64) -> ScenePacket {
     surfels(&scene, &camera, style, SIZE)
 }
 
-/// Least decibels and most differing pixels.
+/// Minimum decibels and maximum number of differing pixels.
 fn agreement(splatting: Splatting) -> (f64, f64) {
     match splatting {
         // A GPU rounds to bytes whenever it blends: hundreds of layers may add up to a few steps.

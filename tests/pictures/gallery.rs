@@ -227,7 +227,7 @@ fn a_wall_is_seen_from_its_front_and_does_not_vanish_from_behind() {
     }
 }
 
-/// Rings of a scanner that turns about Z over a plain with walls far away.
+/// Rings of a scanner that rotates about Z over a plain with walls far away.
 #[test]
 fn a_sweep_is_seen_from_above_and_drawn_as_points() {
     let mut points = Vec::new();

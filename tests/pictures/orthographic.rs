@@ -49,8 +49,8 @@ fn packet_of(points: Vec<PointRecord>, camera: &Camera, origin: DVec3) -> SceneP
     }
 }
 
-/// Where parallel rays put a place, from the definition: the plane through the target is as large as perspective shows
-/// it.
+/// The pixel of a position under parallel rays, by definition: the plane through the target is as large as perspective
+/// shows it.
 fn parallel_px(camera: &Camera, place: DVec3) -> DVec2 {
     let [azimuth, elevation] = [camera.azimuth_deg, camera.elevation_deg].map(f64::to_radians);
     // With Z up, seen from -Y at an azimuth of 0.

@@ -94,7 +94,7 @@ struct Exact {
     alpha: f64,
     /// Of a surface that mirrors 0, and 1, at right angles, for cosines in equal steps.
     mirrored: Vec<[f64; 2]>,
-    /// Of light by its cosine: the share that a bounce loses, and the share that a dielectric lets in.
+    /// For light by its cosine: the fraction that a bounce loses, and the fraction that a dielectric transmits.
     mean_loss: f64,
     mean_let_in: f64,
 }
@@ -119,7 +119,7 @@ impl Exact {
         exact
     }
 
-    /// Over all microfacets in equal shares of their distribution, whose density cancels out but for the cosines.
+    /// Over all microfacets in equal parts of their distribution, whose density cancels out but for the cosines.
     fn integral(cosine: f64, alpha: f64) -> [f64; 2] {
         const STEPS: [usize; 2] = [1000, 100];
         let to_eye = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
@@ -175,12 +175,12 @@ impl Exact {
         microfacets(cosines, self.alpha) * schlick(color, cosines.facing) + self.of_more_bounces(color) * again
     }
 
-    /// The share of light that a dielectric lets in.
+    /// The fraction of light that a dielectric transmits.
     fn let_in(&self, cosine: f64) -> f64 {
         1.0 - self.albedo(0.04, cosine) - self.of_more_bounces(0.04) * self.loss(cosine)
     }
 
-    /// The same of a dielectric.
+    /// The same for a dielectric.
     fn dielectric(&self, color: f64, cosines: Cosines) -> f64 {
         let below = color * self.let_in(cosines.eye) * self.let_in(cosines.light) / self.mean_let_in;
         self.metal(0.04, cosines) + below
@@ -299,7 +299,7 @@ fn surfaces_match_the_double_precision_formulas() {
     }
 }
 
-/// The white furnace: whatever it is made of, a white surface in white light from all sides is white.
+/// The white furnace: whatever its material, a white surface in white light from all sides is white.
 #[test]
 fn white_surfaces_in_white_light_from_all_sides_are_white() {
     let camera = camera_at(DISTANCE);

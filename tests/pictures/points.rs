@@ -23,7 +23,7 @@ fn points(change: impl FnOnce(&mut Style)) -> Style {
     })
 }
 
-/// From afar, cells of the octree that are small there are one point each, as large as they are.
+/// From afar, small cells of the octree are one point each, of the cell's size.
 #[test]
 fn adaptive_points_of_levels_of_detail_are_fewer_and_leave_no_hole() {
     let sequence = Sequence::demo();
@@ -82,7 +82,7 @@ fn point(position: Vec3, radius: f32) -> Surfel {
     }
 }
 
-/// The same packet as the processor and as the GPU draws it.
+/// The same packet as the CPU and as the GPU draws it.
 fn drawn_by_both(packet: &ScenePacket) -> [RgbaImage; 2] {
     let mut processor = CpuRenderer::new();
     processor.prepare(packet).unwrap();

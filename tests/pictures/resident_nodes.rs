@@ -33,7 +33,7 @@ fn style((structure, lod): (LevelStructure, Lod), strategy: Strategy) -> Style {
     style.drawn_by(false)
 }
 
-/// A moving view of a scene that has written its share of records before.
+/// A moving view of a scene that has written enough records before.
 struct Moving {
     scene: Scene,
     frame: PreparedFrame,
@@ -71,7 +71,7 @@ fn context_of_small_chunks() -> Arc<Context> {
     Context::headless(&options).unwrap()
 }
 
-/// The packet whose records lie side by side.
+/// The packet with contiguous records.
 fn gathered(packet: &ScenePacket) -> ScenePacket {
     let Content::Selected(selected) = &packet.content else {
         panic!("nodes are selected")

@@ -1,4 +1,4 @@
-//! Shadows of constructed scenes, by both renderers: where rays to the lamp say that they are, and nowhere else.
+//! Shadows of constructed scenes, by both renderers: exactly where rays to the lamp are blocked.
 
 use crate::common::{self, Surfel, camera_at, context, draw, draw_on_cpu, draw_with, plain, sphere, surfels, voxels};
 use glam::{DVec3, Vec3};
@@ -27,7 +27,7 @@ fn lit(lighting: Lighting, splatting: Splatting) -> Style {
     })
 }
 
-/// Points on whose normals light falls, as large as their surfels.
+/// Points lit by their normals, as large as their surfels.
 fn lit_points(shape: PointShape) -> Style {
     lit(Lighting::Lambert, Splatting::TwoPass).with(|style| {
         style.primitive = Primitive::Point;
@@ -88,7 +88,7 @@ fn box_of_surfels(style: Style) -> ScenePacket {
     surfels(&cloud, &camera(), style, SIZE)
 }
 
-/// The same of triangles, two for each rectangle.
+/// The same with triangles, two for each rectangle.
 fn box_of_triangles(style: Style) -> ScenePacket {
     let [low, high] = BOX.map(|corner: DVec3| corner.as_vec3());
     let (midpoint, half) = (0.5 * (low + high), 0.5 * (high - low));
@@ -132,7 +132,7 @@ fn box_of_triangles(style: Style) -> ScenePacket {
     }
 }
 
-/// The same of cells with an edge of 1/16.
+/// The same with cells with an edge of 1/16.
 fn box_of_cells(style: Style) -> ScenePacket {
     const EDGE: f32 = 0.0625;
     let place = |cell: i32| (cell as f32 + 0.5) * EDGE;

@@ -10,7 +10,7 @@ use pointreel::sequence::{ColorSource, FrameEntry, Sequence, Shape};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Where surveys are.
+/// Coordinates typical of surveys.
 const SURVEY: DVec3 = DVec3::new(4_510_731.25, -3_911_168.5, 2_207_744.75);
 
 /// A sequence that begins as a smaller cloud nearby.

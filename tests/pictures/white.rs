@@ -1,9 +1,9 @@
-//! A closed white surface without light is white: whatever draws it, and however it is blended, no pixel that the truth
+//! A closed white surface without light is white: for every primitive and blending mode, no pixel that the truth
 //! covers with all its samples is darker than white.
 //!
 //! Held: every primitive, every mode of splatting, both renderers and every strategy; and every primitive in white
 //! light from all sides, in each deferred lighting, and with antialiasing. Modes of one pass are not white
-//! on purpose, and are held to be so; `visibility` shows depths and no colours. `two-pass` fades at the rims of its
+//! on purpose, and are held to be so; `visibility` shows depths and no colours. `two-pass` fades at the edges of its
 //! disks, and so where three of them only just meet: held to be few pixels.
 
 use crate::common::{camera_at, draw, draw_on_cpu, plain};
@@ -29,7 +29,7 @@ const SIZE: [u32; 2] = [240, 200];
 /// The maximum that rounding to bytes may take from white.
 const MIN_WHITE: u8 = 254;
 
-/// The modes that blend beyond the rims of disks that touch, or blend nothing.
+/// The modes that blend beyond the edges of touching disks, or blend nothing.
 const CLOSING: [Splatting; 3] = [Splatting::Enlarged, Splatting::TwoPassEnlarged, Splatting::Opaque];
 
 /// A unit sphere whose points are at random places and white, prepared for a style: radii are estimated.
@@ -107,7 +107,7 @@ fn packet_of(frame: &PreparedFrame, style: &Style) -> ScenePacket {
     Scene::default().packet(frame, DVec3::ZERO, &camera(), style, SIZE)
 }
 
-/// How many covered pixels are darker than white, and how dark the darkest is.
+/// Number of covered pixels darker than white, and the value of the darkest.
 fn darker(picture: &RgbaImage, is_covered: &[bool]) -> (usize, u8) {
     let covered = picture.pixels().zip(is_covered).filter(|&(_, &is_covered)| is_covered);
     let darkest = covered.map(|(pixel, _)| pixel.0[..3].iter().copied().min().unwrap());

@@ -12,7 +12,7 @@ const PRIMITIVE: &str = "assumed primitive: point (the points are too sparse for
 const COLORS: &str = "assumed colours: normal (the file has no colours, so normals show the shape; statistics; change \
     with --colors)";
 
-/// A file that says none of them.
+/// A file that states none of them.
 fn cloud(folder: &Path) -> PathBuf {
     let path = folder.join("a.ply");
     let header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";

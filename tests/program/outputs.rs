@@ -25,7 +25,7 @@ fn stdout(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-/// It ends with exit code 1 and says all of `expected` on stderr.
+/// It ends with exit code 1 and prints all of `expected` on stderr.
 fn refused(folder: &Path, arguments: &[&str], expected: &[&str]) {
     let output = run_in(folder, arguments);
     let said = stderr(&output);

@@ -105,7 +105,7 @@ impl Drop for Serving {
 
 fn opened(url: &str) -> LiveStream {
     let options = OpenOptions {
-        // No frame is dropped before it is looked at.
+        // No frame is dropped before it is checked.
         live_seconds: Some(3600.0),
         ..OpenOptions::default()
     };
@@ -293,7 +293,7 @@ fn a_connection_broken_within_a_message_is_restored_without_errors() {
     assert!(assert_clouds_are_some_of(&far, &files) >= 5);
 }
 
-/// Of a relay, whose numbers are its own: each cloud is one of the files'.
+/// For a relay, which numbers frames itself: each cloud is one of the files'.
 fn assert_clouds_are_some_of(stream: &LiveStream, files: &[RawCloud]) -> usize {
     let frames = stream.frames();
     for index in frames.clone() {
@@ -303,7 +303,7 @@ fn assert_clouds_are_some_of(stream: &LiveStream, files: &[RawCloud]) -> usize {
     frames.len()
 }
 
-/// A server that says `bytes` to everybody, and then hangs up or keeps silent.
+/// A server that sends `bytes` to every client, and then hangs up or stays silent.
 fn hostile(bytes: Vec<u8>, hangs_up: bool) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = listener.local_addr().unwrap();
@@ -322,7 +322,7 @@ fn hostile(bytes: Vec<u8>, hangs_up: bool) -> String {
     format!("tcp://{address}")
 }
 
-/// A message of a frame without its head's clock, as the format says: 32 bytes of head, then `body`.
+/// A message of a frame without its head's clock, as specified: 32 bytes of head, then `body`.
 fn points_message(body: &[u8]) -> Vec<u8> {
     let mut payload = vec![0; 32];
     payload[0] = 32;

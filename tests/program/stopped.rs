@@ -67,7 +67,7 @@ fn is_hidden(name: &str) -> bool {
     name.split('/').any(|part| part.starts_with('.'))
 }
 
-/// Frames of many points: writing them takes longer than a look at the folder.
+/// Frames of many points: writing them takes longer than listing the folder.
 fn recording(folder: &Path, frames: usize) {
     fs::create_dir(folder.join("scan")).unwrap();
     for frame in 0..frames {

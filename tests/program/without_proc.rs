@@ -1,4 +1,4 @@
-//! The program where `/proc` is empty, as in some sandboxes: it says less of itself, and does everything else.
+//! The program where `/proc` is empty, as in some sandboxes: it reports less about itself, and does everything else.
 
 #![cfg(target_os = "linux")]
 

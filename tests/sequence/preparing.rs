@@ -58,7 +58,7 @@ fn a_subset_has_the_points_of_its_slots_and_radii_that_close_its_surface() {
         assert!(is_retained(index));
         assert_eq!(part.points[slot], whole.points[slot_of(index)]);
         assert_eq!(oct_decode(shapes[slot].normal), Vec3::Y);
-        // The file says 0.5, which would leave gaps between the rows.
+        // The file has 0.5, which would leave gaps between the rows.
         assert!(shapes[slot].radius > 1.0, "{}", shapes[slot].radius);
     }
     assert!(prepare_part(&whole, &[], &SURFELS, &counters).is_ok_and(|part| part.points.is_empty()));

@@ -3,9 +3,9 @@
 //! The bytes of a level say how many bytes the next level has, so the code needs no lengths, and any byte lost, added
 //! or emptied is noticed. An octant moved within its byte cannot be noticed.
 //!
-//! How it works: a level at a time, cells as *location codes*: a one, and below it the Morton code of the cell, three
-//! bits a level (the keys of Warren & Salmon 1993, A Parallel Hashed Oct-Tree N-Body Algorithm, §3.1). They name a cell
-//! of any level in one word: the root is 1, and a cell of level 21 fills all 64 bits.
+//! How it works: level by level, cells as *location codes*: a one, and below it the Morton code of the cell, three bits
+//! per level (the keys of Warren & Salmon 1993, A Parallel Hashed Oct-Tree N-Body Algorithm, §3.1). They name a cell of
+//! any level in one word: the root is 1, and a cell of level 21 fills all 64 bits.
 
 use super::{Octree, stop::Leaves};
 use crate::math::morton::{self, LEVELS};

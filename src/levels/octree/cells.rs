@@ -8,7 +8,7 @@ use crate::levels::cut::NodeRange;
 use fearless_simd::{Level, dispatch};
 use std::ops::Range;
 
-/// Partings looked at in registers.
+/// Partings tested in registers.
 const ROW: usize = 64;
 
 /// From this many points on, the end of a cell is searched for by bisection. Each of its steps waits for memory, while

@@ -8,7 +8,7 @@
 //! axis, after which 13 comparisons close all cells of the block.
 //!
 //! When it wins: blocks around are looked up once, so a cell costs about as much as a few comparisons. Blocks without
-//! adjacent leaves are not looked at.
+//! adjacent leaves are not tested.
 
 use super::gap::Gap;
 use super::sorted_points::SortedPoints;
@@ -25,14 +25,14 @@ const BLOCKS_PER_TASK: usize = 64;
 /// Cells along an edge of a block.
 const EDGE: u32 = 4;
 
-/// Along each axis: how many places the next cell is away in the word of a block, and the cells on its lower side.
+/// Along each axis: the distance to the next cell in the word of a block, and the cells on its lower side.
 const AXES: [(u32, u64); 3] = [
     (1, 0x1111_1111_1111_1111),
     (EDGE, 0x000f_000f_000f_000f),
     (EDGE * EDGE, 0xffff),
 ];
 
-/// Along each axis: how many places the next block, or direction, is away among 27.
+/// Along each axis: the distance to the next block, or direction, among 27.
 const STEPS: [usize; 3] = [1, 3, 9];
 
 /// Cell masks of a block and of its neighbours, x fastest: cells, bit `x + 4y + 16z`.
@@ -53,7 +53,7 @@ pub(super) struct LevelCells {
     firsts: Vec<u32>,
     /// The first stands for all absent blocks.
     blocks: Vec<OccupancyBlock>,
-    /// Numbers of blocks by their places; 0 where there is none.
+    /// Numbers of blocks by their positions; 0 where there is none.
     table: Vec<u32>,
 }
 

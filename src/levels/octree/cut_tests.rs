@@ -39,7 +39,7 @@ fn a_budget_is_used_to_within_one_threshold_step() {
     let view = view_from(Vec3::new(0.5, 2.0, 3.0), Vec3::ZERO, 0.5);
     let all = cut(&tree, &view, None).node_count();
     assert!(all > 10_000);
-    // Of the octants that the eye is in, all are divided.
+    // All octants that contain the eye are divided.
     for max_nodes in [8, 10, 300, 5000, all - 1, all, usize::MAX] {
         let best = tree.cut_at_most(max_nodes, &view, CutHints::default());
         let lod_px = best.lod_px();

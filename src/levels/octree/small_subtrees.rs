@@ -1,4 +1,4 @@
-//! Cells of small subtrees, tested side by side instead of one under the other.
+//! Cells of small subtrees, tested side by side instead of by descending.
 //!
 //! How it works: where the border of the frustum or of two levels of detail cuts through a cell of few points,
 //! descending from cell to cell costs more than testing all cells of the first level on which any may stop. Nothing
@@ -150,7 +150,7 @@ impl Traversal<'_> {
         self.tree.cube.cell_center(level, cell)
     }
 
-    /// Fills a block with the cells of its level that begin among some points, at most [`BLOCK`]; how many they are.
+    /// Fills a block with the cells of its level that begin among some points, at most [`BLOCK`]; returns their number.
     #[inline(always)]
     fn test_block<S: Simd>(&self, simd: S, points: Range<usize>, planes: PlaneMask, block: &mut CellBlock) -> usize {
         let level = block.level;

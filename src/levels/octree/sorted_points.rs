@@ -25,7 +25,7 @@ pub(super) struct SortedPoints {
     pub(super) occupied: OccupiedCells,
     /// Colours summed over the points before each, and over all of them.
     pub(super) colors_before: Vec<ColorSum>,
-    /// Voxels of coarse levels that are drawn again and again.
+    /// Voxels of coarse levels that are drawn repeatedly.
     pub(super) voxels: CachedLevels<VoxelRecord>,
     /// True if the points were given in this order.
     pub(super) are_as_given: bool,
@@ -168,7 +168,7 @@ fn write_partings(cells: &[PackedCell], partings: &mut [u8]) -> bool {
     })
 }
 
-/// Points that are looked at before it is asked whether they ascend.
+/// Number of points tested before the check whether they ascend.
 const BLOCK: usize = 256;
 
 #[inline(always)]

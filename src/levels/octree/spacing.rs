@@ -7,7 +7,7 @@
 //! points per cell decides. Leaves are one to two and a half spacings long.
 //!
 //! Spacings differ within a cloud, by a hundred times in the sweep of a scanner. So the question is asked of the root,
-//! of its octants, and so on, as long as there are points enough to answer. A node keeps the level that it inherits
+//! of its octants, and so on, as long as there are enough points. A node keeps the level that it inherits
 //! unless that is clearly wrong for it: sizes that change from cell to cell with the noise of sampling are worse to
 //! look at than one that is slightly off (000, Fig. 5). Few points far from all others are never asked, so none becomes
 //! a cube that hides the cloud.
@@ -17,7 +17,7 @@
 //!
 //! Measured for bodies of 8,000 to 100,000 points (`tests/pictures/closed_voxels.rs`): leaves and gaps cover 99.4 % and
 //! more of the area of surfels. Without the gaps it took cells of 2.5 points on average and more to cover as much,
-//! which are twice as long and pass the outline by two to three times as much.
+//! which are twice as long and extend beyond the outline by two to three times as much.
 //!
 //! When it wins: everything is read off running counts of the parting levels, one pass over a byte a point.
 

@@ -8,7 +8,7 @@
 //! How it works: the points of a node are a contiguous range. The surfels of a cut are computed from the points under
 //! it, in one pass over their records, and dropped; those of levels that are drawn repeatedly are cached
 //! (`cached_levels.rs`). Leaves, where all are on one level, are drawn as the very points they hold, so that nothing is
-//! lost where nothing is small.
+//! lost at close range.
 //!
 //! When it wins: where splats are small on the screen and many.
 
@@ -50,7 +50,7 @@ const FIRST_CONE_LEVEL: u32 = 3;
 const POINTS_PER_CONE: usize = 16;
 
 impl LodSurfels {
-    /// The surfels of `octree`, from the records of its points. Nothing is worked out yet.
+    /// The surfels of `octree`, from the records of its points. Nothing is computed yet.
     ///
     /// # Panics
     /// Preconditions: a record of each kind for each point, in the order of the points the tree was built from, which
@@ -103,7 +103,7 @@ impl LodSurfels {
         &level.records
     }
 
-    /// Most bytes that the levels can come to, worked out or not.
+    /// Maximum size of the levels in bytes, computed or not.
     pub fn max_bytes(&self) -> usize {
         let sorted = &self.octree.points;
         let above_leaves = &sorted.occupied[..self.octree.depth() as usize];

@@ -2,7 +2,7 @@
 //!
 //! How it works: from the root down, a node is dropped when its bounding sphere (the diagonal of the cell is its
 //! diameter) is outside the frustum, and emitted when it is a leaf or its edge covers less than the LOD threshold on
-//! screen. Five things keep most nodes from being looked at, and time short:
+//! screen. Five measures spare most nodes a test, and save time:
 //!
 //! - *Inside mask.* A plane that a sphere is entirely inside of is not tested again below that node.
 //! - *Uniform cuts.* Once no plane is left, the nearest and the farthest distance of a cell bound where all of its
@@ -17,7 +17,7 @@
 //!
 //! The eight octants of the root, and those below, come nearest first, so that nodes drawn early occlude later ones.
 //!
-//! Levels of detail do not flicker: given the cut of the view before, a cell changes sides only when it is a tenth
+//! Levels of detail do not flicker: given the cut of the previous view, a cell changes sides only when it is a tenth
 //! beyond the threshold; and a subtree that was uniform, and may stay so, is emitted at once.
 //!
 //! When it wins: always; at worst (every cell straddles something) it visits the same nodes as a plain traversal.
@@ -100,11 +100,11 @@ impl Octree {
 /// Every squared distance is beyond it.
 const ALWAYS: f32 = -1.0;
 
-/// Share of the threshold by which a cell must be larger to be divided, or smaller not to be, than the view before
+/// Fraction of the threshold by which a cell must be larger to be divided, or smaller not to be, than the previous view
 /// decided. A tenth is more than a hand that holds the mouse still moves the camera, and too little to see.
 const HYSTERESIS: f64 = 0.1;
 
-/// A cell with this edge is not divided at a share of the threshold when the square of its distance is above this;
+/// A cell with this edge is not divided at a fraction of the threshold when the square of its distance is above this;
 /// infinite when it always is.
 fn stop_distance_squared(edge: f32, view: &SelectView, share: f64) -> f32 {
     let lod_px = f64::from(view.metric.edge_px(view.lod_px)) * share;
@@ -154,7 +154,7 @@ pub(super) struct Traversal<'a> {
     before: Option<CutByPoints<'a>>,
 }
 
-/// A node to be looked at.
+/// A node to be tested.
 struct Visit {
     node: NodeRange,
     cell: [u32; 3],

@@ -64,7 +64,7 @@ impl Octree {
         self.points.cells.len()
     }
 
-    /// Share of the points that have no leaf of their own, `1 − leaves/n`; 0 without points. Where all leaves are on
+    /// Fraction of the points without a leaf of their own, `1 − leaves/n`; 0 without points. Where all leaves are on
     /// level h this is the paper's `1 − oct(h)/n`.
     ///
     /// It can exceed the δ asked for when points share a cell even at level 21: n points that all coincide are one

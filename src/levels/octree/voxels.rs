@@ -1,4 +1,4 @@
-//! The voxel of a node, worked out from its points when it is asked for.
+//! The voxel of a node, computed from its points on demand.
 //!
 //! How it works: the points of a node are a range in Morton order. Its cell is the upper part of the first one's; its
 //! colour the difference of two running sums over all points, divided by their number.

@@ -1,9 +1,9 @@
 //! From ranges of nodes to their records, of any kind.
 //!
-//! How it works: the nodes of a range begin where parting levels say so. Sixty-four nodes of any levels are handed to a
-//! [`NodeWriter`] at a time, so that taking codes apart and dividing are SIMD instructions. Long lists of ranges are
-//! shared out among threads by their points; each part knows from a count of its nodes where its records go. Records of
-//! cached levels are copied.
+//! How it works: the nodes of a range begin where parting levels indicate it. Sixty-four nodes of any levels are handed
+//! to a [`NodeWriter`] at a time, so that taking codes apart and dividing are SIMD instructions. Long lists of ranges
+//! are shared out among threads by their points; each part knows from a count of its nodes where its records go.
+//! Records of cached levels are copied.
 
 use super::cached_levels::Cached;
 use super::partings::write_beginnings;
@@ -13,7 +13,7 @@ use bytemuck::Zeroable;
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
-/// Nodes that are worked out together.
+/// Nodes that are computed together.
 // 32 instead of 64 made no difference, 16 took 30 % longer.
 pub(super) const BATCH: usize = 64;
 
@@ -106,7 +106,7 @@ impl SortedPoints {
 /// Points that are worth handing to another thread.
 const PIECE_POINTS: usize = 1 << 14;
 
-/// Points whose parting levels are looked at together.
+/// Points whose parting levels are tested together.
 const BLOCK: usize = 64;
 
 /// Buffer capacity: the possible remainder of a batch, a block of new entries, and the slack that [`write_beginnings`]

@@ -216,7 +216,7 @@ struct Selection<'a> {
     eye: DVec3,
     /// √τ: an angle.
     root_tau: f64,
-    /// Share of the threshold within which the view before decides.
+    /// Fraction of the threshold within which the previous view decides.
     band: f64,
     before: WasDivided,
     has_last_level: bool,

@@ -25,7 +25,7 @@ pub(super) enum NodeClass {
     Dropped,
     /// It is drawn, if its parent is divided.
     Small,
-    /// Its children are looked at.
+    /// Its children are tested.
     Divided,
 }
 
@@ -39,12 +39,12 @@ pub(super) struct Rule {
     is_oriented: bool,
     culls_back_faces: bool,
     threshold_px2: f64,
-    /// Share of the threshold within which the view before decides.
+    /// Fraction of the threshold within which the previous view decides.
     band: f64,
     deepest_level: u32,
 }
 
-/// All that decides in a view. A single float before is one here.
+/// All that decides in a view. A single float there is one here.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RuleNumbers {
     /// Eye position that distances are measured from.

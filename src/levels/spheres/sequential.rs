@@ -8,7 +8,7 @@
 //!
 //! *One sequence* of the whole tree tests nodes in a prefix that does not know the frustum. *A hierarchy of sequences*
 //! ([`HIERARCHY_POINTS`]; after Windisch et al. 2025) has one for each subtree of a few points: the nodes above are
-//! traversed, and only subtrees that are in view and divided are looked at, each with a prefix of its own.
+//! traversed, and only subtrees that are in view and divided are tested, each with a prefix of its own.
 //!
 //! There is no lower end of a range (Sainz and Pajarola 2004 §4.3): a node that is seen edge-on is small whatever its
 //! size.
@@ -30,7 +30,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Most points of a sequence in a hierarchy of them.
+/// Maximum number of points of a sequence in a hierarchy.
 // Smaller subtrees are more homogeneous, so fewer nodes are tested in vain: with 256 points up to a twentieth more.
 pub(super) const HIERARCHY_POINTS: usize = 1 << 6;
 

@@ -17,7 +17,7 @@ pub(super) struct Splat {
 }
 
 impl Splat {
-    /// As large as the sphere, and across the mean normal (Sainz and Pajarola 2004 §4.1, sprites).
+    /// As large as the sphere, and perpendicular to the mean normal (Sainz and Pajarola 2004 §4.1, sprites).
     pub(super) fn new(sphere: &Sphere, normal: [i16; 2], color: [u8; 4]) -> Self {
         Self {
             center: sphere.center.to_array(),

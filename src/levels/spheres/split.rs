@@ -11,7 +11,7 @@
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Most children of a node.
+/// Maximum number of children of a node.
 pub(super) const MAX_CHILDREN: usize = 4;
 
 /// Nodes that are worth handing to another thread.

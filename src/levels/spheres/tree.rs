@@ -79,7 +79,7 @@ impl SphereTree {
     }
 }
 
-/// All nodes, each made of its parent, if it has one, and its summary.
+/// All nodes, each built from its parent, if it has one, and its summary.
 fn nested<T: Send + Sync>(
     division: &Division,
     summaries: &[Summary],

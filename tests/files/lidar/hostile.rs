@@ -43,7 +43,7 @@ fn folder() -> Files {
     files
 }
 
-/// Lists and reads all that is there; says how many clouds are.
+/// Lists and reads everything; returns the number of clouds.
 fn read(path: &Path) -> usize {
     let options = ReadOptions::default().with_max_memory(1 << 28);
     let Ok(contents) = io::contents(path, None, &options) else {

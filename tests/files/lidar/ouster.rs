@@ -12,7 +12,7 @@ pub(crate) const SENDER: Sender = Sender { host: 30, port: 7502 };
 pub(crate) struct Sensor {
     pub(crate) profile: &'static str,
     pub(crate) pixels: usize,
-    /// Columns of a turn.
+    /// Columns of a revolution.
     pub(crate) columns: usize,
     pub(crate) serial: u64,
 }
@@ -43,7 +43,7 @@ pub(crate) const SMALL: Sensor = Sensor {
     serial: 122_201_000_998,
 };
 
-/// Where the lidar is in the sensor, and turned by half; numbers of a real one.
+/// Position of the LiDAR in the sensor, rotated by 180°; values of a real one.
 const TO_SENSOR: [f64; 16] = [
     -1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 36.18, 0.0, 0.0, 0.0, 1.0,
 ];

@@ -208,7 +208,7 @@ const VLS_ROWS: [usize; 103] = [
     20, 117, 38, 71, 48, 81, 2, 99, 28, 125, 46, 79, 56, 89, 10, 107, 84, 5, 102, 23,
 ];
 
-/// A head that turns evenly.
+/// A head that rotates evenly.
 pub(crate) struct Scan<'a> {
     pub(crate) model: &'a Model,
     pub(crate) is_dual: bool,
@@ -322,7 +322,7 @@ impl Scan<'_> {
         points
     }
 
-    /// Where turns begin, before cycle `end`.
+    /// Starts of revolutions, before cycle `end`.
     pub(crate) fn turns(&self, end: usize) -> Vec<std::ops::Range<usize>> {
         let begins = (1..end).filter(|&cycle| self.azimuth(cycle) < self.azimuth(cycle - 1));
         let mut places = vec![0];

@@ -182,7 +182,7 @@ fn images_of_unsupported_formats_give_one_note_with_advice() {
 
 const CAM: &str = "extrinsic\n0 -1 0 2\n1 0 0 0\n0 0 1 0\n0 0 0 1\n\nintrinsic\n50 0 32\n0 60 24\n0 0 1\n\n";
 
-/// A camera turned by a quarter about its axis: the world's x is down, its y to the left.
+/// A camera rotated by 90° about its axis: the world's x is down, its y to the left.
 #[test]
 fn mvsnet_cameras_count_from_the_corner_and_state_their_depths() {
     let folder = tempfile::tempdir().unwrap();

@@ -249,7 +249,7 @@ fn bundler_counts_from_the_center_and_looks_along_minus_z_with_y_up() {
 
 #[test]
 fn nvm_counts_from_the_image_center_and_looks_along_z_from_its_camera_center() {
-    // Half a turn about z, one unit to the right.
+    // A rotation by 180° about z, one unit to the right.
     let files = [("a.nvm", "NVM_V3\n\n1\na.png 50 0 0 0 1 1 0 0 0 0\n\n0\n\n0\n")];
     assert_shows(&files, [1.0, 0.0, 1.0], [31.5, 23.5]);
     assert_shows(&files, [1.1, 0.2, 1.0], [26.5, 13.5]);

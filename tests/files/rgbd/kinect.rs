@@ -67,7 +67,7 @@ fn depth_mm((x, y): (u32, u32)) -> u16 {
     }
 }
 
-/// Red and green say where a pixel of the colour image is.
+/// Red and green encode the position of a pixel of the colour image.
 fn color_at((x, y): (u32, u32)) -> [u8; 3] {
     [(x / 6) as u8, (y / 4) as u8, 90]
 }

@@ -128,7 +128,7 @@ fn rvl(depths: &[u16]) -> Vec<u8> {
         .collect()
 }
 
-/// How depths are written, and colours.
+/// Encodings of depths, and of colours.
 pub(crate) type WriteDepth = fn(&[u16]) -> Packed;
 pub(crate) type WriteColor = fn(&[[u8; 3]]) -> Packed;
 
@@ -328,7 +328,7 @@ fn inverse_depths_are_accurate_to_their_quantisation() {
     }
 }
 
-/// Where the colour camera is from the depth camera.
+/// Position of the colour camera relative to the depth camera.
 fn color_from_depth() -> DAffine3 {
     DAffine3::from_rotation_y(0.02) * DAffine3::from_translation(DVec3::new(-0.025, 0.004, 0.001))
 }

@@ -129,7 +129,7 @@ fn named_camera() -> RgbdOptions {
 /// Writes the recording into a folder; returns the options that open it.
 pub(crate) type Write = fn(&Recording, &Path) -> RgbdOptions;
 
-/// Whether poses, stamps and exact depths are in a layout.
+/// Presence of poses, stamps and exact depths in a layout.
 pub(crate) struct Has {
     pub(crate) poses: bool,
     pub(crate) times: bool,

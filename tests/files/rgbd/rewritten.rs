@@ -150,7 +150,7 @@ pub(crate) fn npz(recording: &Recording, folder: &Path) -> RgbdOptions {
     RgbdOptions::default()
 }
 
-/// Images that are counted from 1, 5000 units per metre that nothing says, and a place and a rotation per line.
+/// Images counted from 1, 5,000 units per metre that no file states, and a position and a rotation per line.
 pub(crate) fn slambench(recording: &Recording, folder: &Path) -> RgbdOptions {
     for sub in ["depth", "color"] {
         fs::create_dir(folder.join(sub)).unwrap();

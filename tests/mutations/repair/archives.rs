@@ -22,7 +22,7 @@ pub(super) fn repair_tar(bytes: &mut [u8]) {
     }
 }
 
-/// The checksum of `packed`, unpacked as far as it can be, and how many bytes that are.
+/// The checksum of `packed`, unpacked as far as possible, and the number of bytes.
 fn unpacked(packed: &[u8]) -> (u32, u64) {
     let mut bytes = Vec::new();
     // A reader sees whatever is unpacked before the damage.

@@ -7,7 +7,7 @@ mod reel;
 
 use crate::random::Random;
 
-/// A checksum, or a length that others are held against.
+/// A checksum, or a length that others are compared with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Repair {
     Nothing,

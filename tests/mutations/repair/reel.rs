@@ -148,7 +148,7 @@ fn find_sections(directory: &[u8], sections: &mut Vec<Section>) -> Option<()> {
     Some(())
 }
 
-/// How many scalars it has.
+/// Its number of scalars.
 fn skip_schema(cursor: &mut Cursor<'_>) -> Option<usize> {
     let bits = cursor.number()?;
     cursor.skip(4)?;

@@ -15,10 +15,10 @@ use pointreel::timeline::PlayRange;
 use std::sync::Arc;
 
 const SIZE_PX: [u32; 2] = [400, 300];
-/// Of the dot at the point.
+/// Colour of the dot at the point.
 const TINT: [u8; 3] = [255, 190, 60];
 
-/// A hundred points on a line that move by a tenth a frame; frames have them in turned order in memory only.
+/// A hundred points on a line that move by a tenth per frame; frames have them in turned order in memory only.
 fn moving() -> Sequence {
     let entries = (0..5).map(|number| FrameEntry {
         number: Some(number),

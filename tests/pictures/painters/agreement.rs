@@ -1,4 +1,4 @@
-//! Every panel and window of the program, painted with and without a graphics card.
+//! Every panel and window of the program, painted with and without a GPU.
 #![allow(
     clippy::print_stdout,
     reason = "how close they are is worth a look when one changes the painter"

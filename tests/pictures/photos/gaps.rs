@@ -6,7 +6,7 @@ use pointreel::rgbd::DepthImage;
 use pointreel::scene::EyeDome;
 use pointreel::sequence::{PrepareCounters, prepare};
 
-/// Where the wall is.
+/// Position of the wall.
 const WALL_Z: f64 = 0.5;
 
 /// Half an edge of the hole in its points.

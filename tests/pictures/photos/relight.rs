@@ -87,7 +87,7 @@ fn lit(relight: PhotoRelight) -> Style {
     })
 }
 
-/// Mean difference of channels over the pixels that both show, and the share of these that differ by more than 8.
+/// Mean difference of channels over the pixels that both show, and the fraction of these that differ by more than 8.
 fn difference(a: &RgbaImage, b: &RgbaImage) -> (f64, f64) {
     let shown = |pixel: &image::Rgba<u8>| pixel.0[..3] != [0; 3];
     let both = a.pixels().zip(b.pixels()).filter(|(a, b)| shown(a) && shown(b));

@@ -27,7 +27,7 @@ pub(super) struct EntryPoint<'a> {
     pub(super) whole: &'a Module,
 }
 
-/// Writes an entry point, or says why it cannot.
+/// Writes an entry point, or returns why it cannot.
 type BackEnd = fn(&EntryPoint<'_>) -> Result<(), String>;
 
 const BACK_ENDS: [(&str, BackEnd); 6] = [

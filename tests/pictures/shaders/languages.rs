@@ -50,7 +50,7 @@ fn bindings(module: &Module) -> BTreeMap<ResourceBinding, Kind> {
     with_kind.collect()
 }
 
-/// All bindings in order, numbered from 0 within each of up to three sets of registers, and how many each set has.
+/// All bindings in order, numbered from 0 within each of up to three sets of registers, and the number in each set.
 fn numbered<T>(
     module: &Module,
     set: impl Fn(Kind) -> usize,

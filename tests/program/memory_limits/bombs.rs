@@ -38,7 +38,7 @@ pub(super) fn made_by_program(extension: &str) -> Vec<u8> {
 
 /// A cloud of nine points whose header claims `points`, if any.
 pub(super) fn draco(points: Option<u32>) -> Vec<u8> {
-    /// Where the header says how many points there are.
+    /// Offset of the number of points in the header.
     const COUNT_AT: usize = 11;
     let mut cloud = PointCloud::new();
     cloud.set_num_points(9);

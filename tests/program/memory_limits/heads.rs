@@ -71,7 +71,7 @@ pub(super) fn npy(descr: &str, shape: &str) -> Vec<u8> {
     bytes
 }
 
-/// Pieces, each as often as it says, by gzip.
+/// Pieces, each repeated by its count, by gzip.
 pub(super) fn gzip(pieces: &[(&[u8], u64)]) -> Vec<u8> {
     use std::io::Write as _;
     let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
@@ -199,7 +199,7 @@ pub(super) fn tar_header(name: &str, size: u64) -> Vec<u8> {
     header
 }
 
-/// An archive with a member whose bytes are `pieces`, each as often as it says.
+/// An archive with a member whose bytes are `pieces`, each repeated by its count.
 pub(super) fn zip(name: &str, pieces: &[(&[u8], u64)]) -> Vec<u8> {
     use std::io::Write as _;
     let mut writer = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));

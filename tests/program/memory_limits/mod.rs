@@ -117,7 +117,7 @@ impl Case {
     }
 }
 
-/// How a run of the program has ended.
+/// Outcome of a run of the program.
 #[derive(Debug)]
 struct Outcome {
     /// None where a signal has ended it.

@@ -15,8 +15,8 @@
 //! *offset*, 3 bits, along the normal from the centre of the cell to the surface (Botsch et al. 2002 §5.1), a radius
 //! and the cone of the normals below, 8 bits each, and a colour.
 //!
-//! The paper needs no radius: its cells are as large as samples are far apart, and so are splats. Here the tree goes as
-//! deep as its stop criterion says, which is mostly deeper, and points may be irregular: a radius says what a node's
+//! The paper needs no radius: its cells are as large as the spacing of samples, and so are splats. Here the tree goes
+//! as deep as its stop criterion says, which is mostly deeper, and points may be irregular: a radius says what a node's
 //! splat has to cover.
 //!
 //! When it wins: a position costs some bits, and is decoded by adding one vector to the position of the cell above; a
@@ -56,7 +56,7 @@ pub struct CodedCloud {
     of: Sources,
 }
 
-/// Source records that it was made of, if they still exist: an address in use again names something else.
+/// Source records that it was built from, if they still exist: a reused address is another array.
 #[derive(Debug)]
 struct Sources {
     octree: Weak<Octree>,
@@ -67,7 +67,7 @@ struct Sources {
 /// Storage size of a coded cloud, in bits per leaf.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CodedBits {
-    /// The byte code. On a surface whose cells are as large as its samples are far apart, 2.67 at most (Botsch et al.
+    /// The byte code. On a surface whose cells are as large as its sample spacing, 2.67 at most (Botsch et al.
     /// 2002 §3).
     pub masks: f64,
     /// Entropy of the masks in the same unit: their size if bytes took as many bits as their frequency is worth (the
@@ -133,7 +133,7 @@ impl CodedCloud {
         }
     }
 
-    /// Returns true if it was made of these records.
+    /// Returns true if it was built from these records.
     pub fn is_of(&self, octree: &Arc<Octree>, points: &Arc<Vec<PointRecord>>, shapes: &Arc<Vec<ShapeRecord>>) -> bool {
         std::ptr::eq(self.of.octree.as_ptr(), Arc::as_ptr(octree))
             && std::ptr::eq(self.of.points.as_ptr(), Arc::as_ptr(points))

@@ -217,7 +217,7 @@ fn offsets_move_points_onto_the_surface() {
     assert!(without > 0.75 && with < 0.16, "{without} to {with} edges");
 }
 
-/// Of a surface whose cells are as large as its samples are far apart, positions take 8/3 bits at most (Botsch et al.
+/// On a surface whose cells are as large as its sample spacing, positions take 8/3 bits at most (Botsch et al.
 /// 2002 §3).
 #[test]
 fn positions_take_fewer_bits_than_the_bound_of_the_paper() {
