@@ -161,7 +161,7 @@ fn until_idle(loader: &Loader) {
     }
 }
 
-/// Sources that decode only when the test opens the gate, and a record of who came.
+/// Sources that decode only when the test opens the gate, and a record of its callers.
 #[derive(Default)]
 struct Gate {
     open: Mutex<bool>,

@@ -40,7 +40,7 @@ impl PointList {
         self.points.len().next_power_of_two().ilog2()
     }
 
-    /// The points of a level are those whose place is a multiple of this.
+    /// The points of a level are those whose index is a multiple of this.
     fn step(&self, level: u32) -> usize {
         1 << (self.depth() - level.min(self.depth()))
     }

@@ -29,11 +29,11 @@ pub struct NodeRecords {
 /// Selection of the records that are drawn, in this order.
 #[derive(Debug)]
 pub enum Selection {
-    /// Those at these places.
+    /// Those at these indices.
     At(Vec<u32>),
     /// Candidates of a sequence that pass a test.
     Filtered(Box<SequenceFilter>),
-    /// Every one whose place is a multiple of a step, with wider disks.
+    /// Every one whose index is a multiple of a step, with wider disks.
     Every {
         /// From one to the next; at least 1.
         step: u32,

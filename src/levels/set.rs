@@ -52,7 +52,7 @@ enum ShapeLevels {
 }
 
 impl LevelsSet {
-    /// The octree, if anything was asked for that is made from one.
+    /// The octree, if anything built from one was requested.
     pub fn octree(&self) -> Option<&Arc<Octree>> {
         self.octree.as_ref().map(|(_, octree)| octree)
     }

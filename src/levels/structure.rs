@@ -123,7 +123,7 @@ pub struct RecordBuffers {
     pub shapes: Vec<ShapeRecord>,
     /// For cells.
     pub voxels: Vec<VoxelRecord>,
-    /// For places of nodes.
+    /// For indices of nodes.
     pub places: Vec<u32>,
 }
 

@@ -101,7 +101,7 @@ impl PackedCell {
 ///
 /// ```text
 /// 16 | 5 bits      --------- 20..16 ----------------------------- 15..0 ------
-/// blocks of 8, then 4, then 2, then 1: every bit with two empty places above it
+/// blocks of 8, then 4, then 2, then 1: every bit with two empty bits above it
 /// ```
 // Compiled for the SIMD level of the caller.
 #[inline(always)]

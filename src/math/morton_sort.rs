@@ -10,7 +10,7 @@
 //!
 //! A bucket is sorted as *items* ([`super::items`]): numbers that have the bits in which its codes differ above an
 //! index. Of up to 8,192 codes an item has all bits that a bucket leaves to differ, so that codes are read off the
-//! sorted items; of more, the lowest give place, and where items are alike in all others, the codes are asked for. Most
+//! sorted items; of more, the lowest give place, and where items are alike in all others, the codes are looked up. Most
 //! of a surface is in order after two passes. Clouds that are not surfaces, or that an outlier squeezes into few cells,
 //! leave more, which is then sorted by comparison.
 //!

@@ -171,7 +171,7 @@ fn a_selection_without_variants_is_an_error() {
     assert!(error.to_string().contains("requested render modes"), "{error}");
 }
 
-/// A sphere of quads as a PLY file, with colours by place.
+/// A sphere of quads as a PLY file, with colours by position.
 fn write_sphere(path: &Path, rows: u32) {
     let columns = 2 * rows;
     let mut vertices = String::new();

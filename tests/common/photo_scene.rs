@@ -34,7 +34,7 @@ fn distance(place: DVec3) -> (f64, bool) {
     if ring < ball { (ring, true) } else { (ball, false) }
 }
 
-/// The colour of a place of the surface, 0 to 1: waves that a few thousand points cannot resolve.
+/// The colour of a position on the surface, 0 to 1: waves that a few thousand points cannot resolve.
 fn color(place: DVec3, is_ring: bool) -> DVec3 {
     let waves = |frequency: f64| {
         let [x, y, z] = (frequency * place).to_array();
@@ -48,7 +48,7 @@ fn color(place: DVec3, is_ring: bool) -> DVec3 {
     base + 0.1 * waves(9.0) + 0.14 * waves(37.0)
 }
 
-/// The place that a ray meets, with the colour there.
+/// The position that a ray meets, with the colour there.
 pub(crate) fn hit(origin: DVec3, direction: DVec3) -> Option<(DVec3, DVec3)> {
     let center = -origin.dot(direction);
     let nearest2 = origin.length_squared() - center * center;
@@ -68,7 +68,7 @@ pub(crate) fn hit(origin: DVec3, direction: DVec3) -> Option<(DVec3, DVec3)> {
     None
 }
 
-/// From a place on the sphere around the scene, looking at its centre, with y up.
+/// From a position on the sphere around the scene, looking at its centre, with y up.
 pub(crate) fn pose(azimuth_deg: f64, elevation_deg: f64) -> DAffine3 {
     let (azimuth, elevation) = (azimuth_deg.to_radians(), elevation_deg.to_radians());
     let toward = DVec3::new(

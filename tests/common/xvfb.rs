@@ -68,7 +68,7 @@ impl Xvfb {
         }
     }
 
-    /// The program, as it would be started on this display by somebody without settings.
+    /// The program, as started on this display by a user without settings.
     pub(crate) fn program(&self, home: &Path) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_pointreel"));
         command
@@ -210,7 +210,7 @@ impl Screen {
             .unwrap();
     }
 
-    /// Covers a part of the screen with a window of somebody else, and takes it away again.
+    /// Covers a part of the screen with the window of another program, and removes it again.
     pub(crate) fn cover_for_a_moment(&self, [x, y]: [i16; 2], [width, height]: [u16; 2]) {
         let window = self.connection.generate_id().unwrap();
         let looks = xproto::CreateWindowAux::new()

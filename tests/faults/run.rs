@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Output, Stdio};
 use std::time::{Duration, SystemTime};
 
-/// Places of one kind that are tried per command where not all are.
+/// Number of calls of one kind tried per command where not all are.
 const SOME: u64 = 12;
 
 /// Since 1970, of all files.
@@ -154,7 +154,7 @@ impl Run {
     }
 }
 
-/// Places among `count`: all, or some from the first to the last.
+/// Indices among `count`: all, or some from the first to the last.
 fn places(count: u64) -> Vec<u64> {
     let all = std::env::var("POINTREEL_FAULTS").is_ok_and(|faults| faults == "all");
     if all || count <= SOME {

@@ -39,7 +39,7 @@ impl Kind {
     }
 }
 
-/// One call fails, that one and all later ones, or every call does less than it was asked for.
+/// One call fails, that one and all later ones, or every call does less than requested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum How {
     Once,

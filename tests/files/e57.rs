@@ -252,7 +252,7 @@ fn replace(mut bytes: Vec<u8>, from: &str, to: &str) -> Vec<u8> {
     bytes
 }
 
-/// Two points, one field of which has no bits.
+/// Two points with one field of zero bits.
 fn small() -> Vec<u8> {
     let mut prototype = xyz();
     prototype.push((RecordName::Intensity, integer(5, 5)));
@@ -328,6 +328,6 @@ fn a_deeply_nested_description_is_handled() {
     let nest = |xml: String| Ok(xml.replace("</e57Root>", &format!("{nested}</e57Root>")));
     writer.finalize_customized_xml(nest).unwrap();
     drop(writer);
-    // Either answer will do, an overflow of the stack would not.
+    // Either result is fine, a stack overflow is not.
     let _ = read(&bytes.into_inner()).is_ok();
 }

@@ -633,8 +633,8 @@ fn a_walking_man_has_the_pose_of_another_program() {
     /// One in this many points of a frame.
     const STEP: usize = 50;
     const FRAMES: [usize; 5] = [0, 5, 11, 17, 23];
-    /// The man is 1.5 high: single precision rounds a place by up to 6e-8 along each axis, 1.03e-7 in all, and both a
-    /// point of the sequence and the surface are rounded. The farthest of all was measured 1.3e-7 away.
+    /// The man is 1.5 high: single precision rounds a position by up to 6e-8 along each axis, 1.03e-7 in all, and both
+    /// a point of the sequence and the surface are rounded. The farthest of all was measured 1.3e-7 away.
     const TOLERANCE: f64 = 2.1e-7;
     let (Some(model), Some(sequence)) = (shared("models/CesiumMan.glb"), shared("sequences/cesiumman_24fps")) else {
         return;

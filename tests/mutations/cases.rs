@@ -1,5 +1,5 @@
 //! Cases: files that are tried together. A fresh one is made from seeds and a number, so that the number is enough to
-//! make it again; others are kept in a corpus.
+//! make it again; others are stored in a corpus.
 
 use crate::kinds::{FOLDERS, kind_of};
 use crate::nested::mutate_file;

@@ -71,7 +71,7 @@ impl Way {
         }
     }
 
-    /// Goes it with `input`. Outputs come into `scratch`; `number` chooses among those that there are.
+    /// Runs it with `input`. Outputs go to `scratch`; `number` chooses among those available.
     pub(crate) fn go(self, input: &Path, scratch: &Path, number: u64) {
         let picture = scratch.join("picture.png");
         // A sequence file, single frames in a folder, or one frame.
@@ -115,7 +115,7 @@ fn options(preferences: Preferences) -> StateOptions {
     }
 }
 
-/// Opens `input` as a window does, orbits, and plays a little.
+/// Opens `input` as a window does, waits until it is shown, and plays a little.
 fn window(input: &Path) {
     let mut state = State::new(options(Preferences::default()));
     state.open_paths(vec![input.to_owned()]);
@@ -129,7 +129,7 @@ fn window(input: &Path) {
     play(&mut state, now);
 }
 
-/// Whether there is something to see, or never will be.
+/// Returns true if something is shown, or never will be.
 fn has_settled(state: &State) -> bool {
     let is_shown = state.player.as_ref().is_some_and(|player| player.shown().is_some());
     state.opening.failed.is_some() || state.opening.session_question.is_some() || is_shown && state.has_looked()
@@ -143,7 +143,7 @@ fn play(state: &mut State, mut now: Duration) {
     }
 }
 
-/// Sends `input` to a client, which shows the frames that came.
+/// Sends `input` to a client, which shows the frames received.
 fn connect(input: &Path) {
     let bytes = std::fs::read(input).unwrap();
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();

@@ -1,8 +1,8 @@
 //! Long runs, in rounds over all sets: findings are minimised and saved, and a table lists the work done.
 //!
 //! Configured by the environment, as `scripts/fuzz.sh` does: `MUTATIONS_SECONDS`, `MUTATIONS_SETS` (names with commas
-//! between; default: all), `MUTATIONS_SEEDS` (folders, parted as in `PATH`), `MUTATIONS_RUN` (a seed for other cases;
-//! default: the time), `MUTATIONS_FOUND` (the folder for findings; default: `fuzz/found`).
+//! between; default: all), `MUTATIONS_SEEDS` (folders, separated as in `PATH`), `MUTATIONS_RUN` (a seed for other
+//! cases; default: the time), `MUTATIONS_FOUND` (the folder for findings; default: `fuzz/found`).
 
 use crate::cases::{Case, retained_in};
 use crate::child::Order;

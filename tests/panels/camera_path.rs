@@ -176,7 +176,7 @@ fn the_preview_plays_the_path_at_its_speed_until_it_is_stopped() {
     assert!(!harness.state().features.path.is_playing());
     assert_eq!(harness.state().camera, path.at(4.0).0);
 
-    // When the user moves the camera, playback gives way.
+    // When the user moves the camera, playback stops.
     press(&mut harness, Modifiers::SHIFT, Key::K);
     harness.state_mut().update(Duration::from_secs(41));
     harness.state_mut().camera.orbit(5.0, 5.0);

@@ -32,7 +32,7 @@ pub(super) fn corner(index: u32) -> DVec3 {
     DVec3::from_array([0, 1, 2].map(|axis| f64::from(index >> axis & 1) - 0.5))
 }
 
-/// Where a place is in the window.
+/// The pixel of a position in the window.
 pub(super) fn in_window(harness: &Harness<'_, State>, place: DVec3) -> Pos2 {
     let state = harness.state();
     let px = state.camera.to_px(place, state.viewport.size_px).unwrap();

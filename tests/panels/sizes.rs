@@ -25,7 +25,7 @@ fn window_of(size_px: [f32; 2], pixels_per_point: f32) -> Harness<'static, State
     harness
 }
 
-/// Names and places of texts and controls.
+/// Names and positions of texts and controls.
 fn widgets(harness: &Harness<'_, State>) -> Vec<(String, Rect)> {
     widgets_in(harness.root().children_recursive())
 }

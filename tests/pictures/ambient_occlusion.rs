@@ -115,7 +115,7 @@ fn hidden_in_corner(distance: f32) -> f32 {
     beyond * beyond * (2.0 + distance) / 4.0
 }
 
-/// The fraction of light that is left in the central row of pixels, with the distance from the y axis of the place
+/// The fraction of light that is left in the central row of pixels, with the distance from the y axis of the position
 /// on the right wall that each shows.
 fn light_along_corner(pictures: &[RgbaImage; 2], packet: &ScenePacket) -> Vec<(f32, f32)> {
     let view = &packet.view;

@@ -17,7 +17,7 @@ use glam::Vec3;
 use pointreel::analysis::{NormalBasis, Orientation, Surface, estimate_surface, nearest_neighbours};
 use std::f32::consts::TAU;
 
-/// Points whose disks may cover a place, the nearest ones; leaving out those farther away can only make more holes.
+/// Points whose disks may cover a position, the nearest ones; excluding those farther away can only make more holes.
 const AROUND: usize = 24;
 
 /// Rays at each shape.
@@ -48,7 +48,7 @@ impl Random {
     }
 }
 
-/// A surface over the unit square, with places spread evenly over its area.
+/// A surface over the unit square, with positions spread evenly over its area.
 #[derive(Debug, Clone, Copy)]
 enum Shape {
     /// Of radius 1.
@@ -59,12 +59,12 @@ enum Shape {
 
 const TUBE: f32 = 0.4;
 
-/// A place on a surface and the normal there.
+/// A position on a surface and the normal there.
 type Place = (Vec3, Vec3);
 
 impl Shape {
-    /// The place at two parameters in 0..1; equal areas of parameters are equal areas of the sphere, of the torus only
-    /// nearly.
+    /// The position at two parameters in 0..1; equal areas of parameters are equal areas of the sphere, of the torus
+    /// only nearly.
     fn place(self, u: f32, v: f32) -> Place {
         let (sine, cosine) = (u * TAU).sin_cos();
         match self {
@@ -83,7 +83,7 @@ impl Shape {
         }
     }
 
-    /// `count` places at random.
+    /// `count` random positions.
     fn scattered(self, count: usize, random: &mut Random) -> Vec<Place> {
         let mut places = Vec::with_capacity(count);
         while places.len() < count {
@@ -100,8 +100,8 @@ impl Shape {
         places
     }
 
-    /// About `count` places in rows: a spiral of the golden angle on the sphere (Swinbank and Purser 2006), a grid that
-    /// is square at the centre of the torus.
+    /// About `count` positions in rows: a spiral of the golden angle on the sphere (Swinbank and Purser 2006), a grid
+    /// that is square at the centre of the torus.
     fn regular(self, count: usize) -> Vec<Place> {
         match self {
             Self::Sphere => (0..count)

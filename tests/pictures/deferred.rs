@@ -43,7 +43,7 @@ fn center(picture: &RgbaImage) -> [u8; 3] {
     [red, green, blue]
 }
 
-/// The colour of a place under lights, all in view space: Lambert and Blinn 1977, added in linear light.
+/// The colour of a position under lights, all in view space: Lambert and Blinn 1977, added in linear light.
 fn expected(lights: &Lights, position: DVec3, normal: DVec3, color: [u8; 3]) -> [f64; 3] {
     let to_eye = -position.normalize();
     let normal = normal.normalize() * normal.dot(to_eye).signum();

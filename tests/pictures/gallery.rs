@@ -204,7 +204,7 @@ fn objects_standing_on_zero_determine_the_up_axis() {
     }
 }
 
-/// A wall of which the sensor saw one side, with normals to that side.
+/// A wall that the sensor saw from one side, with normals to that side.
 #[test]
 fn a_wall_is_seen_from_its_front_and_does_not_vanish_from_behind() {
     let mut random = Random(5);
@@ -479,7 +479,7 @@ fn corpus(folder: &Path) {
     files.sort();
     for file in files {
         let name = file.strip_prefix(folder).unwrap().display().to_string();
-        // Whether it can be read is left to another test.
+        // Another test checks that it can be read.
         let Ok(sequence) = Sequence::discover(&[file]) else {
             continue;
         };

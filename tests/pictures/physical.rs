@@ -1,5 +1,5 @@
 //! Metallic–roughness shading against its formulas in double precision, whose integrals are taken by brute force; and
-//! those against their guarantees: no light is made or lost, and eye and lamp may change places.
+//! those against their guarantees: no light is made or lost, and eye and lamp are interchangeable.
 
 use crate::common::{Surfel, camera_at, draw, draw_on_cpu, plain, surfels, to_display, to_linear};
 use glam::{DVec3, Vec3};
@@ -348,7 +348,7 @@ fn lamp_light_is_conserved() {
 }
 
 proptest! {
-    /// Eye and lamp may change places.
+    /// Eye and lamp are interchangeable.
     #[test]
     fn reflection_is_reciprocal(
         [a, b] in [[-1.0f64..1.0, -1.0..1.0, 0.02..1.0], [-1.0f64..1.0, -1.0..1.0, 0.02..1.0]],
@@ -499,7 +499,7 @@ fn environment_lighting_is_close_to_its_integral() {
     assert!(mean < MEAN && max < MAX, "{mean}, {max}");
 }
 
-/// An environment stays where it is when the camera goes around the scene, and up is up whatever axis that is.
+/// An environment stays where it is when the camera orbits the scene, and up is up whatever axis that is.
 #[test]
 fn environments_turn_with_the_scene() {
     let style = style_of((1.0, 0.0), LightRig::None, Environment::Sky);

@@ -345,7 +345,7 @@ fn points_on_a_plane_do_not_shadow_each_other() {
     }
 }
 
-/// Points that no light falls on are in no shadow; those of any size cast the shadows of their surfels.
+/// Unlit points receive no shadow; points of any size cast the shadows of their surfels.
 #[test]
 fn the_pixel_size_of_points_does_not_affect_shadows() {
     let of_size = |size_px| {

@@ -76,7 +76,7 @@ fn the_near_sheet_hides_the_far_one_from_both_sides() {
 
 #[test]
 fn sheets_within_the_depth_offset_are_blended() {
-    // Half a radius apart: one surface by default, of which the far sheet is half.
+    // Half a radius apart: one surface by default, half of it the far sheet.
     for (depth_offset, far) in [(1.0, 128), (0.4, 0), (0.0, 0)] {
         let packet = sheets(0.5 * RADIUS, &camera_at(1.2), |style| {
             style.surfels.depth_offset = depth_offset;

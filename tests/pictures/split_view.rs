@@ -19,7 +19,7 @@ const NEAR: &[(DVec3, f64)] = &[
     (SURVEY, 1.0),
 ];
 
-/// Points of a torus, a frame for each place and factor of its size.
+/// Points of a torus, one frame per position and factor of its size.
 fn tori(frames: &'static [(DVec3, f64)]) -> Arc<Sequence> {
     let source = |number: u64| FrameEntry {
         number: Some(number),

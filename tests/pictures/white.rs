@@ -32,7 +32,7 @@ const MIN_WHITE: u8 = 254;
 /// The modes that blend beyond the edges of touching disks, or blend nothing.
 const CLOSING: [Splatting; 3] = [Splatting::Enlarged, Splatting::TwoPassEnlarged, Splatting::Opaque];
 
-/// A unit sphere whose points are at random places and white, prepared for a style: radii are estimated.
+/// A unit sphere whose points are at random positions and white, prepared for a style: radii are estimated.
 fn white_sphere(count: usize, style: &Style) -> PreparedFrame {
     let sampled = Sequence::of(Shape::Sphere.frame(count)).frame(0).unwrap();
     let positions: Vec<[f32; 3]> = sampled.positions().iter().map(Vec3::to_array).collect();

@@ -127,7 +127,7 @@ fn one_frame_is_written_to_one_file_transformed_and_merged() {
     assert!(said.contains("--frames"), "{said}");
 }
 
-/// The job file as Slurm runs it: once for each place of the array, in any order, one of them twice.
+/// The job file as Slurm runs it: once per index of the array, in any order, one of them twice.
 #[cfg(unix)]
 #[test]
 fn the_job_file_distributes_a_sequence() {

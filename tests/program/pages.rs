@@ -56,7 +56,7 @@ fn is_shown_as(line: &str, shown: &str) -> bool {
     ends_open || rest.trim_end().is_empty()
 }
 
-/// The first line of those shown that the answer does not have where it should.
+/// The first shown line that is missing from the output or out of order.
 fn first_missing<'a>(answer: &str, shown: &'a [String]) -> Option<&'a str> {
     let mut lines = answer.lines();
     shown

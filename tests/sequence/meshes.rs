@@ -1,4 +1,4 @@
-//! Triangles of frames: read when they are asked for, and not before.
+//! Triangles of frames: read on request, and not before.
 
 use super::*;
 use pointreel::analysis::SurfaceOptions;

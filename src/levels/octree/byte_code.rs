@@ -27,7 +27,7 @@ pub enum OctreeError {
         level: u32,
         /// Nodes on that level.
         expected: usize,
-        /// Bytes left for them.
+        /// Remaining bytes.
         found: usize,
     },
     /// An internal node without children.
@@ -48,7 +48,7 @@ pub enum OctreeError {
 
 impl Octree {
     /// One byte for each node above the deepest level, breadth-first; bit `o` is set when octant `o` is occupied, none
-    /// is for a leaf. Together with the depth it is the whole shape of the tree (000 §VI-A): see
+    /// is for a leaf. Together with the depth it is the whole shape of the tree (the 4D media paper §VI-A): see
     /// [`Octree::cells_from_masks`].
     pub fn masks(&self) -> Vec<u8> {
         match self.leaves {

@@ -146,7 +146,7 @@ impl LevelCells {
         found.flatten().collect()
     }
 
-    /// The number of the block that is at a place; 0 if there is none.
+    /// The number of the block at a position; 0 if there is none.
     fn number_at(&self, place: [u32; 3]) -> u32 {
         let mut slot = slot_of(place, self.table.len());
         loop {
@@ -280,12 +280,12 @@ const fn bit_of([x, y, z]: [u32; 3]) -> u32 {
     x % EDGE + EDGE * (y % EDGE) + EDGE * EDGE * (z % EDGE)
 }
 
-/// The place in its block of the cell that has a bit.
+/// The position in its block of the cell of a bit.
 const fn bit_place(bit: u32) -> [u32; 3] {
     [bit % EDGE, bit / EDGE % EDGE, bit / (EDGE * EDGE)]
 }
 
-/// The places of bits in Morton order.
+/// The positions of bits in Morton order.
 const MORTON: [u8; 64] = {
     let mut places = [0; 64];
     let mut bit = 0;

@@ -40,7 +40,7 @@ impl Parts {
     }
 }
 
-/// The array of all parts that were asked for.
+/// The array of all requested parts.
 #[derive(Debug, Default)]
 pub(super) struct Selectable(Mutex<Option<SideBySide>>);
 
@@ -101,7 +101,7 @@ impl SideBySide {
         })
     }
 
-    /// Adds the places of consecutive nodes of a level. Precondition: it is among the parts.
+    /// Adds the indices of consecutive nodes of a level. Precondition: it is among the parts.
     pub(super) fn extend_places(
         &self,
         range: &NodeRange,

@@ -238,7 +238,7 @@ fn centers_along<S: Simd>(simd: S, cells: [i32; LANES], edge: f32, min: f32) -> 
     (simd.cvt_f32_i32x8(simd.load_array_i32x8(cells)) + 0.5) * edge + min
 }
 
-/// The places of the bits that are set, ascending.
+/// The positions of the set bits, ascending.
 fn set_bits(mut bits: u64) -> impl Iterator<Item = u32> {
     std::iter::from_fn(move || {
         let place = bits.trailing_zeros();

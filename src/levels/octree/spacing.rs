@@ -6,10 +6,10 @@
 //! row than can be closed. Curves have twice the cells at best, so for them, as for all dense clouds, the number of
 //! points per cell decides. Leaves are one to two and a half spacings long.
 //!
-//! Spacings differ within a cloud, by a hundred times in the sweep of a scanner. So the question is asked of the root,
-//! of its octants, and so on, as long as there are enough points. A node keeps the level that it inherits
-//! unless that is clearly wrong for it: sizes that change from cell to cell with the noise of sampling are worse to
-//! look at than one that is slightly off (000, Fig. 5). Few points far from all others are never asked, so none becomes
+//! Spacings differ within a cloud, by a hundred times in the sweep of a scanner. So the test is made for the root, for
+//! its octants, and so on, as long as there are enough points. A node keeps the level that it inherits unless that is
+//! clearly wrong for it: sizes that change from cell to cell with the noise of sampling are worse to look at than one
+//! that is slightly off (the 4D media paper, Fig. 5). Few points far from all others are never tested, so none becomes
 //! a cube that hides the cloud.
 //!
 //! Points at the same place count once, and so do those that are much nearer to each other than all are to the rest, as
@@ -52,8 +52,8 @@ const ASKED_POINTS: usize = 64;
 /// A node without cells of this many levels above the leaves is not tested: too few cells to take a mean over.
 const ASKED_LEVELS: u32 = 2;
 
-/// Leaves are at most this many levels above those of the whole cloud: 4 times their edge. Few points in a large place,
-/// as in the trees that a scanner sees from afar, would ask for more.
+/// Leaves are at most this many levels above those of the whole cloud: 4 times their edge. Few points in a large
+/// volume, as in the trees that a scanner sees from afar, would require more.
 const MAX_LEVELS_ABOVE: u32 = 2;
 
 /// Points counted together.
@@ -164,7 +164,7 @@ fn is_cached(level: u32, cells: &OccupiedCells) -> bool {
 }
 
 impl SortedPoints {
-    /// The leaves that the spacing of the points asks for. Precondition: there are points.
+    /// The leaves that the spacing of the points requires. Precondition: there are points.
     pub(super) fn leaves_by_spacing(&self) -> LeavesBySpacing {
         let census = Census::new(&self.partings);
         let root = NodeRange {

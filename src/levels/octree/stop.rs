@@ -16,8 +16,8 @@ pub enum StopCriterion {
     // The default, as δ gives nearly every point a leaf smaller than its share of the surface: a spray of dots.
     #[default]
     Spacing,
-    /// The paper's δ (000 §VI-A): level h is subdivided while `oct(h)/n < 1 − δ`, where `oct(h)` counts its occupied
-    /// cells.
+    /// The δ of the 4D media paper (§VI-A): level h is subdivided while `oct(h)/n < 1 − δ`, where `oct(h)` counts its
+    /// occupied cells.
     ///
     /// δ is clamped to 0..=1 and NaN counts as 0; the interface offers 0 to 0.6. Subdivision also ends where no finer
     /// level of the 21 separates any two points, so that duplicates (which no cell size can part) do not drive δ = 0 to

@@ -6,12 +6,12 @@
 //!
 //! - *Inside mask.* A plane that a sphere is entirely inside of is not tested again below that node.
 //! - *Uniform cuts.* Once no plane is left, the nearest and the farthest distance of a cell bound where all of its
-//!   descendants would stop. When both name the same level, the answer for the whole subtree is all of its nodes on
+//!   descendants would stop. When both name the same level, the result for the whole subtree is all of its nodes on
 //!   that level: the points of the cell, emitted at once. Only cells that straddle the border of the frustum or of two
 //!   levels of detail are descended into.
 //! - *Small subtrees* that straddle one of these are not descended into: their cells are tested eight at a time
 //!   (`small_subtrees.rs`).
-//! - *Normal cones*, for back-face culling. A node whose points all face away is dropped, if that is asked for
+//! - *Normal cones*, for back-face culling. A node whose points all face away is dropped, if that is requested
 //!   ([`LodSurfels`]).
 //! - *Subtrees in parallel.* The octants of the root, and theirs, are traversed by all threads.
 //!

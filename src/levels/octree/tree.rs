@@ -27,7 +27,7 @@ pub struct Octree {
 }
 
 impl PartialEq for Octree {
-    /// Trees of the same points are equal when they have the same nodes, whatever was asked for.
+    /// Trees of the same points are equal when they have the same nodes, whatever was requested.
     fn eq(&self, other: &Self) -> bool {
         self.cube == other.cube
             && self.points == other.points

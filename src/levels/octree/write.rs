@@ -179,7 +179,7 @@ impl Batch {
         }
     }
 
-    /// Writes the first `count` nodes, at most a batch, and forgets them; the places left.
+    /// Writes the first `count` nodes, at most a batch, and drops them; returns the remaining space.
     #[inline(always)]
     fn write<'o, W: NodeWriter>(&mut self, count: usize, writer: &W, out: &'o mut [W::Record]) -> &'o mut [W::Record] {
         let (now, left) = out.split_at_mut(count);

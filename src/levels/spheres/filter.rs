@@ -114,7 +114,7 @@ impl SequenceFilter {
         self.rule.numbers()
     }
 
-    /// The name of a candidate, which is the place of its record.
+    /// The name of a candidate: the index of its record.
     pub fn name(&self, candidate: u32) -> u32 {
         match candidate.checked_sub(self.inner_candidates) {
             None => candidate + 1,

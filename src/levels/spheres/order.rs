@@ -6,16 +6,16 @@ use rayon::prelude::*;
 /// Sentinel for the parent of a node whose parent is not in its sequence.
 pub(super) const NO_PARENT: u32 = u32::MAX;
 
-/// Places before and after sorting.
+/// Indices before and after sorting.
 #[derive(Debug)]
 pub(super) struct Order {
-    /// The places before, in the order of the sequence.
+    /// The indices before, in the order of the sequence.
     pub(super) sorted: Vec<u32>,
     /// Position of each of them in the sequence.
     place_of: Vec<u32>,
 }
 
-/// A number that is the smaller the larger a radius is, and of equal ones the smaller the place is, which are its lower
+/// A number that is the smaller the larger a radius is, and of equal ones the smaller the index is, which is its lower
 /// 32 bits. Precondition: a radius is not negative, so that its bits are in its order.
 fn descending_key(radius: f32, place: u32) -> u64 {
     u64::from(!radius.to_bits()) << 32 | u64::from(place)

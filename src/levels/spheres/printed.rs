@@ -8,7 +8,7 @@
 //!
 //! It is too conservative where thresholds are small: the error of a view scales `r_min`, but not the distance between
 //! a node and its parent, so many nodes are drawn whose parents are drawn as well. These are counted. Normals are not
-//! tested, so `f = 1`, but what is outside the frustum or faces away is dropped, node by node, as vertex programs do.
+//! tested, so `f = 1`, but nodes outside the frustum or facing away are dropped, node by node, as vertex programs do.
 //!
 //! When it wins: never; it exists for comparison with the exact rule of [`super::sequential`].
 
@@ -53,7 +53,7 @@ struct Entry {
     r_min: f32,
     r_max: f32,
     level: u32,
-    /// Place of its parent among the entries, or [`NO_PARENT`].
+    /// Index of its parent among the entries, or [`NO_PARENT`].
     parent: u32,
     node: Child,
     /// The inner node whose bounds it is dropped with: itself, or the parent of a leaf.

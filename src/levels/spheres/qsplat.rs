@@ -35,7 +35,7 @@ const ROOT_GROUP: usize = 0;
 /// The tree in one array.
 #[derive(Debug)]
 pub(super) struct QSplat {
-    /// Groups of siblings. A node is named by the place of its first word.
+    /// Groups of siblings. A node is named by the index of its first word.
     words: Vec<u16>,
     root: Sphere,
     node_count: usize,
@@ -169,7 +169,7 @@ impl QSplat {
         name / NODE_WORDS as u32
     }
 
-    /// The records of all nodes; at places that no node has, of none.
+    /// The records of all nodes; unused indices have empty records.
     pub(super) fn node_records(&self) -> (Vec<PointRecord>, Vec<ShapeRecord>) {
         let places = self.words.len().div_ceil(NODE_WORDS);
         let mut points = vec![PointRecord::zeroed(); places];
@@ -193,7 +193,7 @@ impl QSplat {
         (points, shapes)
     }
 
-    /// The children of a node, which begin at a place.
+    /// The children of a node, which begin at an index.
     #[inline(always)]
     fn children(&self, parent: NodeCode, around: Sphere, group: usize) -> impl Iterator<Item = Decoded> {
         let (count, have_children) = parent.children();
@@ -229,7 +229,7 @@ impl QSplat {
     }
 }
 
-/// Writes the pointer of a group, if it has one; the words left.
+/// Writes the pointer of a group, if it has one; returns the remaining words.
 fn write_pointer<'w>(pointer: Option<&usize>, group: &'w mut [u16]) -> &'w mut [u16] {
     let Some(&pointer) = pointer else { return group };
     let (words, nodes) = group.split_at_mut(POINTER_WORDS);
@@ -306,7 +306,7 @@ impl Descent<'_> {
         found
     }
 
-    /// Draws the leaves among the children of a node and hands on the others.
+    /// Draws the leaves among the children of a node and passes on the others.
     #[inline(always)]
     fn each_child(&self, parent: &Visit, found: &mut FoundNodes, mut hand_on: impl FnMut(Visit, &mut FoundNodes)) {
         for child in self.qsplat.children(parent.code, parent.sphere, parent.children) {

@@ -58,7 +58,7 @@ struct Inner {
     leaf_count: u8,
     /// Index of the first of these leaves.
     first_leaf: u32,
-    /// The place of its parent in the sequence, or [`NO_PARENT`].
+    /// The index of its parent in the sequence, or [`NO_PARENT`].
     parent: u32,
     /// `r_max`.
     parent_radius: f32,
@@ -282,7 +282,7 @@ struct Sequence {
 #[derive(Debug, Clone, Copy)]
 struct Below {
     node: u32,
-    /// The place of its parent among the nodes below, or [`NO_PARENT`].
+    /// The index of its parent among the nodes below, or [`NO_PARENT`].
     parent: u32,
 }
 

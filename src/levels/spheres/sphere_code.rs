@@ -64,7 +64,7 @@ fn reach(steps: Steps) -> f64 {
     2.0 * f64::from(squared).sqrt() + f64::from(steps.radius)
 }
 
-/// Its place in the table of codes.
+/// Its index in the table of codes.
 fn place_of(steps: Steps) -> usize {
     let coordinates = steps.place.map(|aside| (aside + MAX_STEPS_ASIDE) as usize);
     coordinates

@@ -34,7 +34,7 @@ pub(super) struct Inner {
 /// A child of a node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Child {
-    /// A single point, by its place in Morton order.
+    /// A single point, by its index in Morton order.
     Leaf(u32),
     /// A node, by its index.
     Inner(u32),

@@ -228,7 +228,7 @@ pub(crate) fn time(after_us: u64) -> Duration {
     Duration::from_secs(BEGIN_S) + Duration::from_micros(after_us)
 }
 
-/// Files in a folder that is gone with it.
+/// Files in a folder that is removed with it.
 pub(crate) struct Files {
     folder: tempfile::TempDir,
 }

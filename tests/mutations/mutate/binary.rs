@@ -48,7 +48,7 @@ const FLOATS: [f64; 12] = [
     0.5,
 ];
 
-/// A place in `bytes`: often at the beginning or the end, where heads and directories are.
+/// An offset in `bytes`: often at the beginning or the end, where heads and directories are.
 fn place(bytes: &[u8], random: &mut Random) -> usize {
     let count = bytes.len();
     match random.below(6) {

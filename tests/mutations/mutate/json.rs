@@ -26,7 +26,7 @@ fn count(value: &Value) -> usize {
     }
 }
 
-/// Changes the value that `place` values come before. Whether it was found.
+/// Changes the value after `place` others. Returns true if it was found.
 fn change(value: &mut Value, place: &mut usize, random: &mut Random) -> bool {
     if *place == 0 {
         change_here(value, random);

@@ -16,7 +16,7 @@ use std::sync::Arc;
 pub(crate) const SIZE_PX: [u32; 2] = [192, 128];
 const BACKGROUND: [u8; 3] = [1, 2, 3];
 
-/// A cloud that came through a file.
+/// A cloud that was read from a file.
 pub(crate) struct Chain {
     pub(crate) origin: DVec3,
     pub(crate) frame: Arc<PreparedFrame>,

@@ -297,7 +297,7 @@ fn places_px(chain: &Chain, camera: &Camera, shift: DVec3) -> Vec<[f64; 2]> {
     places.into_iter().map(|(_, place)| place).collect()
 }
 
-/// Largest distance of two lists of places.
+/// Largest distance between two lists of positions.
 fn farthest_px(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
     let distances = a.iter().zip(b).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]));
     distances.fold(0.0, f64::max)
