@@ -1,5 +1,5 @@
-//! Surfels from the byte code of an octree compared with exact disks and with points: `cargo bench --bench
-//! coded_render`.
+//! Surfels from the byte code of an octree against exact disks and points:
+//! `cargo bench --bench coded_render`.
 //!
 //! Measured, at 1920×1080 of a bumpy torus on one thread, from the packet until the image is finished in memory:
 //! 100,000 surfels as exact disks; their byte code as masks with normals of 13 and 17 bits, with light per normal and

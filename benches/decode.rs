@@ -1,4 +1,4 @@
-//! How fast files become clouds, compared with the time to move the same bytes.
+//! Time to decode files to clouds, compared with moving the same bytes.
 //!
 //! Each format is a group of three rows over the same 100,000 points, and criterion's `thrpt` is bytes of the file a
 //! second in all of them, so that they divide into each other:

@@ -1,4 +1,4 @@
-//! How fast a sequence becomes ready to be drawn: files → decoded → completed → records, through the real [`Loader`]
+//! Time until a sequence is ready to be drawn: files → decoded → completed → records, through the real [`Loader`]
 //! with one worker a core.
 //!
 //! Measured: the wall time from opening to the last (or first) frame with points and shapes; files are in the system's

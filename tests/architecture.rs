@@ -446,7 +446,7 @@ fn files_stay_readable() {
     assert!(long.is_empty(), "split before 600 lines: {}", long.join(", "));
 }
 
-/// Of text that people read side by side: sources, shaders, documents.
+/// Maximum width of text that people read side by side: sources, shaders, documents.
 const MAX_COLUMNS: usize = 120;
 
 /// Files of the repository by their extensions, without build outputs and hidden files.

@@ -32,7 +32,7 @@ fn crates(features: &[&str]) -> BTreeSet<String> {
         .collect()
 }
 
-/// Of `named`, those that a build with `features` alone has.
+/// The crates of `named` that a build with `features` alone has.
 fn brought(features: &[&str], named: &[&[&str]]) -> Vec<String> {
     let crates = crates(features);
     named

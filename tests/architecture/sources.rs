@@ -36,7 +36,7 @@ pub(crate) struct Mention {
     pub(crate) is_test: bool,
 }
 
-/// Where a path is written.
+/// Position of a path.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Place {
     Use {
@@ -110,18 +110,18 @@ impl Sources {
     }
 }
 
-/// Where the reader is.
+/// Position of the reader.
 #[derive(Debug, Clone, Default)]
 struct Scope {
     module: Path,
     file: String,
-    /// Where the files of child modules are, with a `/` at its end.
+    /// Folder of the files of child modules, with a `/` at its end.
     folder: String,
     is_test: bool,
 }
 
 impl Scope {
-    /// Where the child `name` is read: in the same file until another one is found for it.
+    /// Scope of the child `name`: in the same file until another one is found for it.
     fn child(&self, name: &str) -> Self {
         let mut child = self.clone();
         child.module.push(name.into());

@@ -22,7 +22,7 @@ impl Counts {
     }
 }
 
-/// Where the phrases of a row must not be.
+/// Scope in which the phrases of a row must not be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Scope {
     Texts,

@@ -69,7 +69,7 @@ static KIND: AtomicU8 = AtomicU8::new(u8::MAX);
 static PLACE: AtomicU64 = AtomicU64::new(u64::MAX);
 static HOW: AtomicU8 = AtomicU8::new(0);
 static PATHS: OnceLock<[CString; 2]> = OnceLock::new();
-/// Of each descriptor, whether its file counts.
+/// A flag per descriptor: its file counts.
 static COUNTED: [AtomicBool; 4096] = [const { AtomicBool::new(false) }; 4096];
 
 /// Reads the requested fault from the environment; returns false if there is none.

@@ -149,7 +149,7 @@ fn checksum_repairs_fix_only_what_is_wrong() {
     assert!(tried.len() > 5, "{tried:?}");
 }
 
-/// Where headers of chunks have their checksums.
+/// Offsets of checksums in headers of chunks.
 fn reel_checksums(bytes: &[u8]) -> Vec<usize> {
     let windows = bytes.windows(4).enumerate();
     let starts = windows.filter_map(|(place, window)| (window == b"\xf1rlc").then_some(place));

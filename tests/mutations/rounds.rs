@@ -218,7 +218,7 @@ impl Rounds {
     }
 }
 
-/// Where files of one length differ, a run each; nothing of others.
+/// Runs in which files of one length differ; none for others.
 fn differences(before: &[u8], after: &[u8]) -> Vec<std::ops::Range<usize>> {
     let mut runs: Vec<std::ops::Range<usize>> = Vec::new();
     if before.len() != after.len() {

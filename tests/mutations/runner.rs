@@ -29,7 +29,7 @@ pub(crate) struct Finding {
 }
 
 impl Finding {
-    /// The same for two findings of the same fault.
+    /// A key that is equal for two findings of the same fault.
     pub(crate) fn key(&self) -> String {
         let way = if self.reason.starts_with("panic") {
             ""

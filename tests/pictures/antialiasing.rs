@@ -44,7 +44,7 @@ fn cube() -> ScenePacket {
     voxels(vec![record], 1.0, &camera(), style, SIZE)
 }
 
-/// Whether a ray meets the cube.
+/// Returns true if a ray meets the cube.
 fn meets_cube(eye: DVec3, ray: DVec3) -> bool {
     let [low, high] = [-0.5, 0.5].map(|side| (DVec3::splat(side) - eye) / ray);
     low.min(high).max_element() < low.max(high).min_element()

@@ -29,7 +29,7 @@ const EDGE_ON: f32 = 0.2;
 /// Rays that find a hole: none where points are in a lattice.
 const OPEN_LATTICE: f64 = 0.0;
 
-/// The same where points are at random: fewer than one in a thousand.
+/// The same for random points: fewer than one in a thousand.
 const OPEN_RANDOM: f64 = 1e-3;
 
 /// Rays that must find a hole when disks are smaller by a third: more than come with the random ones at full size.
@@ -51,9 +51,9 @@ impl Random {
 /// A surface over the unit square, with positions spread evenly over its area.
 #[derive(Debug, Clone, Copy)]
 enum Shape {
-    /// Of radius 1.
+    /// Sphere of radius 1.
     Sphere,
-    /// Of radii 1 and 0.4.
+    /// Torus of radii 1 and 0.4.
     Torus,
 }
 

@@ -27,7 +27,7 @@ fn difference(a: &RgbaImage, b: &RgbaImage, step: u8) -> (f64, f64) {
     (psnr, differing.count() as f64 / f64::from(a.width() * a.height()))
 }
 
-/// The same image but for pixels on edges, which rounding puts to either side.
+/// Equal images but for pixels on edges, which are rounded to either side.
 #[track_caller]
 fn assert_same_picture(packet: &ScenePacket, min_psnr_db: f64, max_differing: f64) {
     let (gpu, cpu) = (draw(packet), draw_on_cpu(packet));

@@ -109,7 +109,7 @@ fn packet(mesh: MeshRecords, camera: &Camera, style: Style) -> ScenePacket {
     }
 }
 
-/// The same image but for pixels on edges, which rounding puts to either side.
+/// Equal images but for pixels on edges, which are rounded to either side.
 #[track_caller]
 fn assert_same_picture(packet: &ScenePacket, min_psnr_db: f64, what: &str) {
     let (gpu, cpu) = (draw(packet), draw_on_cpu(packet));

@@ -92,7 +92,7 @@ fn schlick(reflectance: f64, facing: f64) -> f64 {
 #[derive(Debug, Clone)]
 struct Exact {
     alpha: f64,
-    /// Of a surface that mirrors 0, and 1, at right angles, for cosines in equal steps.
+    /// For a surface that reflects 0, and 1, at normal incidence, for cosines in equal steps.
     mirrored: Vec<[f64; 2]>,
     /// For light by its cosine: the fraction that a bounce loses, and the fraction that a dielectric transmits.
     mean_loss: f64,

@@ -82,7 +82,7 @@ fn point(position: Vec3, radius: f32) -> Surfel {
     }
 }
 
-/// The same packet as the CPU and as the GPU draws it.
+/// Images of a packet by the CPU and by the GPU.
 fn drawn_by_both(packet: &ScenePacket) -> [RgbaImage; 2] {
     let mut processor = CpuRenderer::new();
     processor.prepare(packet).unwrap();

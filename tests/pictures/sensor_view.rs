@@ -14,7 +14,7 @@ use pointreel::sequence::{ColorSource, Coloring, Needs, PrepareCounters, Prepare
 use std::sync::Arc;
 
 const SIZE: [u32; 2] = [160, 120];
-/// Of no point.
+/// Colour of pixels without a point.
 const BACKGROUND: [u8; 3] = [0; 3];
 
 /// Depths that jump from pixel to pixel, and holes, so that an image shifted by a pixel differs.

@@ -157,7 +157,7 @@ fn box_of_cells(style: Style) -> ScenePacket {
     voxels(records.collect(), 64.0 * EDGE, &camera(), style, SIZE)
 }
 
-/// Where a ray enters a box; `None` where it does not.
+/// Distance at which a ray enters a box; `None` where it does not.
 fn enters([low, high]: [DVec3; 2], from: DVec3, ray: DVec3) -> Option<f64> {
     let [low, high] = [(low - from) / ray, (high - from) / ray];
     let (first, last) = (low.min(high).max_element(), low.max(high).min_element());
@@ -173,8 +173,7 @@ enum Floor {
     Unsure,
 }
 
-/// Whether the centre of a pixel shows the floor, and whether the box is between all positions within `margin` and the
-/// lamp.
+/// The floor at the centre of a pixel: in shadow if the box is between all positions within `margin` and the lamp.
 fn floor_at(packet: &ScenePacket, to_lamp: DVec3, [x, y]: [u32; 2], margin: f64) -> Floor {
     let view = &packet.view;
     let [width, height] = SIZE.map(f64::from);

@@ -131,7 +131,7 @@ fn the_software_renderer_draws_the_same_bytes_whatever_is_chosen() {
     }
 }
 
-/// How far along its ray a position of the image meets a disk beyond the near plane, seen by [`camera_at`].
+/// Distance along its ray at which a position of the image meets a disk beyond the near plane, seen by [`camera_at`].
 fn meets(disk: &Surfel, camera_distance: f64, place_px: [f64; 2]) -> Option<f64> {
     let half = f64::from(EDGE_PX) / 2.0;
     let ray = DVec3::new(place_px[0] / half - 1.0, 1.0 - place_px[1] / half, -1.0);

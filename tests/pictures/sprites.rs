@@ -27,7 +27,7 @@ fn hard() -> Style {
     })
 }
 
-/// Where the ray through a pixel meets the plane of a surfel: the depth, and the distance from its centre, in radii.
+/// Intersection of the ray through a pixel with the plane of a surfel: depth, and distance from its centre, in radii.
 fn meets(packet: &ScenePacket, surfel: &Surfel, x: u32, y: u32) -> Option<[f64; 2]> {
     let view = &packet.view;
     let [width, height] = packet.viewport_px.map(f64::from);

@@ -32,7 +32,7 @@ pub(crate) const ALL_CONTAINERS: [Container; 4] = [
     Container::PcapNgBig,
 ];
 
-/// Who sends, and to which port.
+/// Sender, and target port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Sender {
     pub(crate) host: u8,

@@ -134,7 +134,7 @@ fn point((x, y): (u32, u32)) -> DVec3 {
     DVec3::new(right, down, 1.0) * z
 }
 
-/// Where the colour camera sees a point: its sensor has 1280 × 960 pixels; 120 lines are cut at the top.
+/// Pixel of a point in the colour camera: its sensor has 1280 × 960 pixels; 120 lines are cut at the top.
 fn color_pixel(point: DVec3) -> DVec2 {
     let seen = color_turn() * point + DVec3::from_array(COLOR_AT);
     let [cx, cy, fx, fy] = COLOR;

@@ -77,7 +77,7 @@ pub(super) fn repair_zip(bytes: &mut [u8]) {
     }
 }
 
-/// Of the member of an entry of the directory; `None` for an unknown compression method.
+/// Checksum of the member of an entry of the directory; `None` for an unknown compression method.
 fn member_crc(bytes: &[u8], entry: usize) -> Option<u32> {
     let method = u16_at(bytes, entry + 10)?;
     let count = u32_at(bytes, entry + 20)? as usize;

@@ -95,7 +95,7 @@ impl Cursor<'_> {
     }
 }
 
-/// Where the checksum of a section is, and its data.
+/// Position of the checksum of a section, and its data.
 struct Section {
     crc_place: usize,
     offset: usize,

@@ -184,8 +184,8 @@ pub(super) fn write_hlsl(entry: &EntryPoint<'_>, model: hlsl::ShaderModel) -> Re
     has_entry_point(&text, &info.entry_point_names)
 }
 
-/// Whether a function is there by the one name that naga gave the entry point (`vertex` is a word of Metal). Nothing
-/// calls it.
+/// Returns true if there is a function of the one name that naga gave the entry point (`vertex` is a word of Metal).
+/// Nothing calls it.
 fn has_entry_point<E: ToString>(text: &str, names: &[Result<String, E>]) -> Result<(), String> {
     let [name] = names else {
         return Err(format!("has {} entry points", names.len()));
