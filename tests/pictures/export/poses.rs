@@ -21,7 +21,7 @@ fn size() -> PictureSize {
     PictureSize::opaque([160, 90])
 }
 
-/// Forty white points above each other, which walk two units a frame.
+/// Forty white points above each other, which walk two units per frame.
 fn walk() -> Headless {
     let sources = (0..FRAMES).map(|frame| FrameEntry::file(format!("/walk/{frame}.ply")));
     let sequence = Sequence::with_decoder(sources.collect(), |source| {
