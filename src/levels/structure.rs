@@ -107,7 +107,7 @@ pub enum Records {
     Voxels {
         /// Cells and colours.
         voxels: Vec<VoxelRecord>,
-        /// The same number of records, with normals only, where these and not faces are shaded.
+        /// A record per voxel, with normals only, where these and not faces are shaded.
         normals: Option<Vec<ShapeRecord>>,
         /// Edge of the cube that is divided.
         cube_edge: f32,

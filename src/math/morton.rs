@@ -27,7 +27,7 @@ pub const fn decode(code: u64) -> [u32; 3] {
 
 /// The coordinates of a finest cell in one number: x in bits 0 to 20, y in 21 to 41, z in 42 to 62.
 ///
-/// The same number of bits as a code, and two cells are compared as fast, but a coordinate is taken out by a shift.
+/// It has the bits of a code, and cells are compared as fast, but a coordinate is extracted by a shift.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(transparent)]
 pub struct PackedCell(u64);
