@@ -133,7 +133,7 @@ mod tests {
         // The same change everywhere, but of a truth that is darker throughout.
         let moving = error(Some([&gray(90), &gray(141)]), [&before, &after]);
         assert_eq!(moving.difference_rms, 0.0);
-        // Half of it, of which nothing is shown.
+        // Half of the image, where nothing is shown.
         let missed = error(Some([&before, &after]), [&before, &before]);
         assert_eq!(missed, resting);
     }
