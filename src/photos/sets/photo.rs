@@ -17,9 +17,9 @@ pub struct Photo {
     pub path: PathBuf,
     /// The camera, of the size of the file's image.
     pub camera: Camera,
-    /// Coordinates of the camera from those of the world: a turn and a shift, in the unit of the world.
+    /// Coordinates of the camera from those of the world: a rotation and a translation, in the unit of the world.
     pub camera_from_world: DAffine3,
-    /// An image of what belongs to the object (bright) and what does not (dark).
+    /// A mask image: pixels of the object are bright, all others dark.
     pub mask: Option<PathBuf>,
     /// Depth map information, if any.
     pub depth: Option<DepthFile>,
@@ -51,7 +51,7 @@ impl Photo {
             .pixel(self.camera_from_world.transform_point3(point_in_world))
     }
 
-    /// The pixel that shows a point of the world, if the image reaches as far. Nothing is known of what is in between.
+    /// The pixel that shows a point of the world, if it is inside the image. Occlusion is not checked.
     pub fn pixel(&self, point_in_world: DVec3) -> Option<DVec2> {
         self.project(point_in_world)
             .filter(|&pixel| self.camera.contains(pixel))
