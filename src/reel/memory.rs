@@ -1,4 +1,4 @@
-//! Sequence files in memory: what frames take, and what becomes of them, without a file.
+//! Sequence files in memory: the size of encoded frames, and their decoded result, without a file.
 
 use super::encode::NewFrame;
 use super::error::ReelError;

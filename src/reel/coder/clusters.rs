@@ -17,7 +17,7 @@ struct Cluster {
     cost: u64,
 }
 
-/// For each context the number of its table, and what each table is of. Contexts that never came have the first.
+/// For each context the number of its table, and the contents of each table. Contexts that never came have the first.
 pub(in crate::reel) fn clustered(contexts: &[Counts]) -> (Vec<u8>, Vec<Counts>) {
     let mut clusters: Vec<Cluster> = contexts
         .iter()

@@ -12,7 +12,7 @@ pub struct FilePart {
     pub index: u64,
     /// Number of parts; 1 for a file with all frames.
     pub count: u64,
-    /// Its frames among those of the conversion, also those that could not be read.
+    /// Its frames among those of the conversion, including unreadable ones.
     pub frames: Range<u64>,
     /// Frames of the conversion.
     pub of_frames: u64,

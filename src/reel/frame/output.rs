@@ -10,7 +10,7 @@ use crate::math::morton;
 use crate::reel::attributes::{MISSING, NormalGrid, offset_edges};
 use glam::{DVec3, Vec3};
 
-/// A disk of this part of a cell's edge reaches over the cell whatever its normal.
+/// A disk of this part of a cell's edge covers the cell whatever its normal.
 const CLOSING: f64 = 0.87;
 
 /// The cloud of a pose: of its points if they are there, or else of the nodes of its last level. Scalars have the

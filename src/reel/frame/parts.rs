@@ -1,4 +1,4 @@
-//! Parts of symbols, of which each has a coder in each section.
+//! Parts of symbols, each with a coder in each section.
 
 use crate::reel::coder::SymbolCoder;
 use crate::reel::error::Fault;

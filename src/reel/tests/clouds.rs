@@ -44,7 +44,7 @@ pub(super) fn decoded(bytes: &[u8], index: usize, max_points: usize) -> DecodedF
     decoder(bytes).decode(index, max_points, &Progress::default()).unwrap()
 }
 
-/// Every attribute that there is, from a few random numbers a point.
+/// Every possible attribute, from a few random numbers per point.
 pub(super) fn with_attributes(positions: Positions, kinds: u8) -> RawCloud {
     let count = positions.len();
     let number = |point: usize, salt: u64| {

@@ -99,8 +99,7 @@ pub(in crate::reel) const fn around(window: u64, octant: usize) -> u64 {
     window >> shift_of(octant) & CUBE_OF_27
 }
 
-/// The window of the level below around a node, of which a cell is set where the node that it is in is among the 27
-/// around.
+/// The window of the level below around a node; a cell is set if its node is among the 27 around.
 #[inline(always)]
 pub(in crate::reel) const fn refined(around: u64) -> u64 {
     // Columns 0, 1, 2 become 0, 1 and 2, 3; then rows, then planes.
