@@ -1,4 +1,4 @@
-//! Filters as text: `near:from=0.3:to=4,median,bilateral`. What is as usual is not said.
+//! Filters as text: `near:from=0.3:to=4,median,bilateral`. Defaults are omitted.
 
 use super::Filters;
 use super::parameters::{FilterKind, FilterParameter, KINDS};
@@ -8,14 +8,14 @@ use std::str::FromStr;
 /// The names of all filters, for messages.
 const NAMES: &str = "near, median, bilateral, flying and temporal";
 
-/// Text that is no filters.
+/// Text that does not describe filters.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ParseFiltersError {
-    /// A word that is no filter.
+    /// A word that is not a filter.
     #[error("`{0}` is not a depth filter: expected {NAMES}, separated by commas, or none")]
     Filter(String),
-    /// A word that is no parameter of its filter.
+    /// A word that is not a parameter of its filter.
     #[error("`{word}` cannot be set of {filter}: expected {expected}")]
     Parameter {
         /// The word.
