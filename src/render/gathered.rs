@@ -1,5 +1,5 @@
-//! Records of selected nodes brought together, where who draws does not keep those of all nodes, and those of visible
-//! points, where who draws does not make them.
+//! Records of selected nodes gathered, for renderers that do not hold those of all nodes, and of visible points, for
+//! renderers that do not make them.
 
 use crate::scene::{Content, ScenePacket};
 

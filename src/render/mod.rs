@@ -21,7 +21,7 @@ use crate::scene::{ScenePacket, ScreenStats};
 
 /// Draws packets. Preparing and drawing are apart so that each can be measured.
 pub trait Renderer {
-    /// Uploads what the packet needs and is not resident yet.
+    /// Uploads the data that the packet needs and that is not resident yet.
     fn prepare(&mut self, packet: &ScenePacket) -> Result<(), RenderError>;
 
     /// Draws the prepared packet. Nothing is done when it equals the one drawn last.
@@ -62,15 +62,15 @@ pub struct RenderStats {
     pub gpu_ms: Option<f64>,
     /// GPU time of each pass of that image.
     pub gpu_passes: PassTimes,
-    /// GPU times of the passes over depth-camera images, if a GPU has filtered some and made points of them: those of
-    /// the frame before the one that was uploaded last, unless the caller has waited.
+    /// GPU times of the passes over depth-camera images, if a GPU has filtered some and made points of them: times of
+    /// the frame before the one uploaded last, unless the caller has waited.
     #[serde(skip_serializing_if = "PassTimes::are_none")]
     pub image_passes: PassTimes,
-    /// Visible points, if the last image has screen-space normals and a GPU computes them: those of an image some
-    /// frames before it, as they are read back without waiting.
+    /// Visible points, if the last image has screen-space normals and a GPU computes them: the number of an image some
+    /// frames before it, as it is read back without waiting.
     #[serde(skip)]
     pub screen: Option<ScreenStats>,
-    /// Software renderer's share of that time for what follows over the whole image: eye-dome lighting and the grid.
+    /// Software renderer's share of that time for the steps over the whole image: eye-dome lighting and the grid.
     pub screen_ms: f64,
 }
 
@@ -84,7 +84,7 @@ pub(crate) fn scaled_to(image: image::RgbaImage, size_px: [u32; 2]) -> image::Rg
     image::imageops::resize(&image, width, height, image::imageops::FilterType::Triangle)
 }
 
-/// Why there is no picture.
+/// Reasons why there is no image.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {
@@ -114,7 +114,7 @@ pub enum RenderError {
         /// Error message of the driver.
         reason: String,
     },
-    /// The GPU has no room.
+    /// The GPU is out of memory.
     #[error("the GPU is out of memory for {what}; a smaller picture, another primitive or fewer points may fit")]
     OutOfMemory {
         /// Object that was to be allocated.
@@ -130,7 +130,7 @@ pub enum RenderError {
         /// Largest edge.
         max: u32,
     },
-    /// The window system does not show what is painted.
+    /// The window system does not show the painted image.
     #[error("the window cannot be painted: {reason}")]
     Window {
         /// Error message of the window system.

@@ -46,7 +46,7 @@ impl Context {
         match *self {}
     }
 
-    /// Waits for what was asked for.
+    /// Waits for requested work.
     pub fn wait_for_uploads(&self) -> Result<(), RenderError> {
         match *self {}
     }
@@ -77,7 +77,7 @@ impl GpuRenderer {
         match *self {}
     }
 
-    /// Forgets what was drawn.
+    /// Discards the drawn image.
     pub fn invalidate(&mut self) {
         match *self {}
     }

@@ -3,10 +3,10 @@
 //!
 //! How it works: tiles leave reversed depths next to the image, and opacities instead of its alpha. Then rows are
 //! processed once more, step after step, in place; most of them are still in a cache. Without such steps no depths are
-//! kept and no rows are processed again.
+//! stored and no rows are processed again.
 //!
-//! Opacities are needed since the background is in the image already, and is not shaded. For a colour `c` that covers a
-//! pixel by `a` there is `a · c + (1 - a) · background`; with the shade `s` it is to be `s · a · c + (1 - a) ·
+//! Opacities are needed since the background is in the image already, and is not shaded. A colour `c` that covers a
+//! pixel by `a` gives `a · c + (1 - a) · background`; with the shade `s` it should be `s · a · c + (1 - a) ·
 //! background`, which is `s · picture + (1 - s) · (1 - a) · background`.
 
 use super::photos::Projected;

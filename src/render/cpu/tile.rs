@@ -1,4 +1,5 @@
-//! The picture in tiles: a piece of it, with all that its pixels need while they are drawn, stays in the second cache.
+//! The picture in tiles: a piece of it, with all data that its pixels need while they are drawn, stays in the second
+//! cache.
 
 use super::view::PixelRect;
 use std::ops::Range;
@@ -8,10 +9,10 @@ pub(super) const WIDTH: usize = 128;
 pub(super) const HEIGHT: usize = 64;
 pub(super) const PIXELS: usize = WIDTH * HEIGHT;
 
-/// The first of [`LANES`] places behind all pixels, for what is not in the tile.
+/// The first of [`LANES`] places after all pixels, for pixels outside the tile.
 pub(super) const NOWHERE: usize = PIXELS;
 
-/// Pixels that are worked out together: those of a row that begin at a multiple of it.
+/// Pixels processed together: consecutive ones of a row that begin at a multiple of it.
 pub(in crate::render) const LANES: usize = 8;
 
 /// Tiling of an image.
@@ -33,7 +34,7 @@ impl Tiles {
         self.columns * self.rows
     }
 
-    /// Columns and rows of the tiles that have pixels of a rectangle in the picture.
+    /// Columns and rows of the tiles that overlap a rectangle of the image.
     pub(super) fn covered_by(rect: PixelRect) -> [Range<usize>; 2] {
         if rect.is_empty() {
             return [0..0, 0..0];

@@ -93,7 +93,7 @@ pub(super) struct TriangleShading<'a> {
     pub(super) normals: Option<[Vec3; 3]>,
 }
 
-/// A picture, and where the corners are in it.
+/// A texture, and the positions of the corners in it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TextureOnTriangle<'a> {
     pub(super) textures: &'a Textures,
@@ -207,14 +207,14 @@ pub(super) fn fill<S: Simd>(
     }
 }
 
-/// From 0 to the most, and 0 for what is no number: on its borders a triangle may be missed by rounding.
+/// Clamped from 0 to the maximum, and 0 for NaN: on its borders a triangle may be missed by rounding.
 #[inline(always)]
 fn share<S: Simd>(simd: S, value: f32x8<S>, max: f32x8<S>) -> f32x8<S> {
     let zero = f32x8::splat(simd, 0.0);
     simd.select_f32x8(value.simd_gt(zero), value.min(max), zero)
 }
 
-/// Writes what is drawn of eight values over those that are there.
+/// Writes the drawn ones of eight values over the existing ones.
 #[inline(always)]
 fn keep<S: Simd>(simd: S, drawn: mask32x8<S>, value: f32x8<S>, below: &mut [f32], at: usize) {
     let there = load(simd, below, at);

@@ -14,7 +14,7 @@ pub struct ContextOptions {
     pub max_chunk_records: Option<usize>,
 }
 
-/// An open device with what was found out about it.
+/// An open device with its queried properties.
 #[derive(Debug)]
 pub struct Context {
     /// The graphics library.
@@ -37,7 +37,7 @@ pub struct Context {
     pub blends_single_floats: bool,
     pub(super) max_chunk_records: Option<usize>,
     lost: Arc<Mutex<Option<String>>>,
-    /// Allocations that will fail as if there was no memory, for tests.
+    /// Number of allocations that will fail as if there were no memory, for tests.
     allocations_to_fail: AtomicU32,
 }
 
@@ -62,7 +62,7 @@ impl Context {
     /// The graphics library with Vulkan, Metal or DirectX 12, unless `WGPU_BACKEND` names another.
     pub fn instance() -> wgpu::Instance {
         let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
-        // Also looking for OpenGL takes a second and complains on stderr where there is none.
+        // Also looking for OpenGL takes a second and complains on stderr if it is missing.
         descriptor.backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
         wgpu::Instance::new(descriptor)
     }

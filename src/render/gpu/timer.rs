@@ -16,7 +16,7 @@ pub(super) struct Timer {
     resolved: wgpu::Buffer,
     late: LateRead,
     recorded: bool,
-    /// The passes of the picture that is timed.
+    /// The passes of the timed image.
     passes: Vec<&'static str>,
     last: GpuTimes,
 }
@@ -37,7 +37,7 @@ pub(super) struct Stamps<'a> {
 }
 
 impl Timer {
-    /// `None` where the adapter has no timestamps.
+    /// `None` if the adapter has no timestamps.
     pub(super) fn new(context: &Context) -> Option<Self> {
         if !context.has_timestamps {
             return None;
@@ -62,7 +62,7 @@ impl Timer {
         })
     }
 
-    /// A picture begins.
+    /// Begins an image.
     pub(super) fn begin(&mut self, context: &Context) {
         self.collect(context);
         self.recorded = self.late.is_idle();

@@ -1,7 +1,7 @@
 //! Light on the surfaces of the ground truth, at each sample.
 //!
-//! The formulas are those of the renderers (`shaders/common/light.wgsl`, `shaders/common/physical.wgsl`), in f64: what
-//! the picture of a mode is measured against has its light.
+//! The formulas are those of the renderers (`shaders/common/light.wgsl`, `shaders/common/physical.wgsl`), in f64: the
+//! reference that the image of a mode is measured against has its light.
 
 use super::rays::TruthView;
 use crate::render::constants::{HEADLIGHT_AMBIENT, HEADLIGHT_SHININESS, HEADLIGHT_SPECULAR};

@@ -1,9 +1,9 @@
-//! Ground-truth rendering: slow reference images of a view in f64 that those of renderers are measured against.
+//! Ground-truth rendering: slow reference images of a view in f64 that the renderers' images are measured against.
 //!
-//! How it works: each pixel is the mean of 8×8 samples, and each sample intersects its ray with the scene. For a shape
-//! with a formula that is the shape itself (`shapes.rs`), for a file with triangles these (`mesh.rs`); for another
-//! cloud it is all of its disks, or the ellipses of its file, without levels of detail (`surfels.rs`). Light is
-//! computed at each sample (`light.rs`). Depths are those at the pixel centres.
+//! How it works: each pixel is the mean of 8×8 samples, and each sample intersects its ray with the scene. The scene of
+//! a shape with a formula is the shape itself (`shapes.rs`), of a file with triangles these (`mesh.rs`), of any other
+//! cloud all of its disks, or the ellipses of its file, without levels of detail (`surfels.rs`). Light is computed at
+//! each sample (`light.rs`). Depths are taken at the pixel centres.
 //!
 //! When it wins: only here is nothing rounded to a pixel, a byte or an f32 before the end, and nothing omitted; it
 //! takes seconds where renderers take milliseconds.

@@ -77,7 +77,7 @@ impl TruthView {
         }
     }
 
-    /// The ray through a place of the picture, in view space: as long as makes its depth 1.
+    /// The ray through a place of the picture, in view space: with a length that makes its depth 1.
     pub(super) fn ray(&self, place_px: [f64; 2]) -> DVec3 {
         DVec3::new(
             (place_px[0] - self.axis_px.x) / self.px_per_slope.x,

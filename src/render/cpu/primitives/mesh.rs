@@ -204,7 +204,7 @@ impl SeenMesh<'_> {
         }
     }
 
-    /// The picture of the first corner: the others have the same.
+    /// The texture of the first corner: the others have the same.
     fn texture(&self, record: &TriangleRecord) -> Option<TextureOnTriangle<'_>> {
         let records = self.mesh.records;
         let [a, b, c] = record.corners.map(|corner| &records.vertices[corner as usize]);

@@ -1,4 +1,4 @@
-//! The gradient on the processor: tiles begin with it, and what shines through is it.
+//! The gradient on the processor: tiles begin with it, and it shines through.
 
 use crate::scene::{Background, ScenePacket};
 

@@ -8,7 +8,7 @@ use std::array;
 #[derive(Debug)]
 struct Curve([u8; 256]);
 
-/// That of a packet.
+/// The settings of a packet.
 pub(super) fn step(packet: &ScenePacket) -> Option<Box<dyn RowStep>> {
     let exponent = packet.style.light.tone_exponent()?;
     Some(Box::new(Curve::of(exponent)))

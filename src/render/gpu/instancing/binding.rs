@@ -15,7 +15,7 @@ pub(super) fn buffer_with(
     context.filled_buffer("records", usage, records, records.len().next_multiple_of(alignment))
 }
 
-/// Room for so many records, which a compute pass writes, padded as those of [`buffer_with`].
+/// A buffer for this many records, which a compute pass writes, padded like [`buffer_with`].
 pub(super) fn buffer_for(
     context: &Context,
     usage: wgpu::BufferUsages,
