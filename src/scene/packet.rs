@@ -1,4 +1,4 @@
-//! Everything that one picture needs.
+//! Everything that one image needs.
 
 use super::content::Content;
 use super::style::{Antialiasing, BackFaces, Splatting};
@@ -20,7 +20,7 @@ pub struct ScenePacket {
     pub bounds: Aabb,
     /// The plane of [`super::Backdrop::grid`], if it is on.
     pub ground: Option<GroundPlane>,
-    /// Posed images that surfaces take their colours from, if these are not those of points.
+    /// Posed images that surfaces take their colours from, if not from the points.
     pub posed_images: Option<PhotosInFrame>,
     /// Parameters derived from settings for this image.
     pub params: PacketParams,
@@ -66,7 +66,7 @@ impl ScenePacket {
         self.viewport_px[1] as f32 / (bottom - top)
     }
 
-    /// Returns the lighting of what is drawn: points without normals are not lit.
+    /// Returns the lighting of the content: points without normals are not lit.
     pub fn lighting(&self) -> Lighting {
         let is_lit = match &self.content {
             Content::Points(_) => false,
@@ -98,7 +98,7 @@ impl ScenePacket {
     }
 
     /// The part of `part_px` of this picture whose upper left pixel is `start_px`, with the same records. Precondition:
-    /// it lies within the picture, which is no part itself.
+    /// it lies within the picture, which is not a part itself.
     #[must_use]
     pub fn part(&self, start_px: [u32; 2], part_px: [u32; 2]) -> Self {
         Self {

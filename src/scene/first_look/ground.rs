@@ -1,4 +1,4 @@
-//! The up axis where coordinates or normals of the file tell it.
+//! The up axis if coordinates or normals of the file determine it.
 //!
 //! **How it works.** Each rule looks at one thing that surveying or a camera makes:
 //!
@@ -11,7 +11,7 @@ use crate::math::Aabb;
 use crate::scene::UpAxis;
 use glam::Vec3;
 
-/// The axis with small coordinates where the two others are those of a map. `zero` is the zero of the file.
+/// The axis with small coordinates if the two others are map coordinates. `zero` is the zero of the file.
 pub(super) fn of_map_coordinates(bounds: &Aabb, zero: Vec3) -> Option<Up> {
     /// Eastings have six digits, northings six or seven; no summit is higher than 9 km.
     const MIN_MAP: f32 = 5e4;
