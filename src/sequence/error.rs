@@ -57,7 +57,7 @@ pub enum FrameError {
         /// The file.
         path: PathBuf,
     },
-    /// It came from something that cannot be rewound, and nobody has kept it.
+    /// It came from something that cannot be rewound, and was not retained.
     #[error("{}: {} is gone: it was live and is kept nowhere", path.display(), frame_by_index(*index))]
     Gone {
         /// Index in the sequence.
@@ -65,7 +65,7 @@ pub enum FrameError {
         /// Path it came from.
         path: PathBuf,
     },
-    /// The program's own fault, kept to this frame.
+    /// The program's own fault, confined to this frame.
     #[error("{}: the program failed on this frame ({message}); the other frames still play, please report it with the \
         file", path.display())]
     Panic {

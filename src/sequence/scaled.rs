@@ -80,7 +80,7 @@ pub(super) fn points_in_class_colors(frame: &Frame, classes: &[f32]) -> Vec<Poin
     })
 }
 
-/// Records in colours of `table`: `fill` tells the numbers of some points, `place` where in the table these are.
+/// Records in colours of `table`: `fill` gives the numbers of some points, `place` their position in the table.
 fn in_chunks(
     frame: &Frame,
     table: &[[u8; 4]],

@@ -1,4 +1,4 @@
-//! Colour source: what colours show.
+//! Colour source: the attribute that colours show.
 
 use super::{FieldName, ParseColoringError};
 use crate::spelling::is_same_word;
@@ -6,7 +6,7 @@ use glam::DVec3;
 use std::fmt;
 use std::str::FromStr;
 
-/// Colour source: what colours show.
+/// Colour source: the attribute that colours show.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum ColorSource {
     /// The file's colours if they differ, else its intensity if that does, else its classes if they do, else the height
@@ -36,7 +36,7 @@ pub enum ColorSource {
 /// Up axis for [`ColorSource::Height`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 pub enum HeightAxis {
-    /// As for the picture.
+    /// As for the image.
     #[default]
     Auto,
     /// An axis of the file: 0, 1 or 2, and whether it points down.

@@ -57,7 +57,7 @@ struct CacheEntry {
     reserved_bytes: Option<usize>,
     /// Size when it was last prepared, and for which of the needs that there were.
     known_bytes: Option<(u64, usize)>,
-    /// For which of the needs that there were somebody has cancelled what it lacks.
+    /// The needs for which its missing parts were cancelled.
     settled: Option<u64>,
     /// Its file changed while a worker is on it.
     is_outdated: bool,
@@ -223,7 +223,7 @@ impl Cache {
         self.bytes_per_point.map(|bytes| (bytes, self.largest_points))
     }
 
-    /// The needs have changed: what is known of sizes is known no more.
+    /// The needs have changed: known sizes are no longer valid.
     pub(super) fn forget_sizes(&mut self) {
         self.needs_epoch += 1;
         self.largest_bytes = None;
@@ -282,7 +282,7 @@ impl Cache {
         self.reserved_bytes += bytes;
     }
 
-    /// The worker is done with frame `index`, whatever came of it.
+    /// The worker is done with frame `index`, with any result.
     pub(super) fn release(&mut self, index: usize) {
         if let Some(bytes) = self.entries[index].reserved_bytes.take() {
             self.reserved_bytes -= bytes;
@@ -296,8 +296,8 @@ impl Cache {
         self.largest_bytes = Some(self.largest_bytes.map_or(bytes, |max| max.max(bytes)));
     }
 
-    /// Frame `index` stays as it is until other needs are asked for: somebody has cancelled what it lacks. False if
-    /// nothing is there.
+    /// Frame `index` stays as it is until other needs are requested: its missing parts were cancelled. False if nothing
+    /// is there.
     pub(super) fn settle(&mut self, index: usize) -> bool {
         let entry = &mut self.entries[index];
         let is_there = entry.full.is_some() || entry.coarse.is_some();
@@ -339,7 +339,7 @@ impl Cache {
         }
     }
 
-    /// Forgets what is known of frame `index`; what a worker makes of it now is dropped.
+    /// Forgets the known sizes of frame `index`; a result in progress is dropped.
     pub(super) fn forget(&mut self, index: usize) {
         self.evict(index);
         self.evict_coarse(index);

@@ -19,14 +19,14 @@ pub(crate) struct Cost {
 /// Workers that do not exist.
 pub(crate) struct Simulation {
     now: Duration,
-    /// When each is done, and with what.
+    /// End time and result of each.
     workers: Vec<Option<(Duration, Job)>>,
     cost: Box<dyn Fn(usize) -> Cost>,
     points: usize,
 }
 
 impl Simulation {
-    /// A loader for frames of `points` points, which cost what `cost` says of their index, and its workers.
+    /// A loader for frames of `points` points, at the `cost` of their index, and its workers.
     pub(crate) fn new(
         sequence: &Arc<Sequence>,
         options: LoaderOptions,
