@@ -1,5 +1,5 @@
-//! The frames of another source as a sequence file with some options would give them back: what is lost can be seen
-//! before a file is written.
+//! The frames of another source as a sequence file with some options would return them: losses can be seen before a
+//! file is written.
 
 use super::{About, Capabilities, DecodeFailure, DecodedFrame, Decoder, DepthImages, FrameEntry, Source};
 use crate::progress::Progress;
@@ -16,7 +16,7 @@ pub struct AsReel {
 }
 
 impl AsReel {
-    /// The frames of `source`, kept with these options.
+    /// The frames of `source`, stored with these options.
     pub fn new(source: Arc<dyn Source>, options: ReelOptions) -> Self {
         Self { source, options }
     }

@@ -78,7 +78,7 @@ impl Example {
         }
     }
 
-    /// A small picture of it, a PNG.
+    /// A small image of it, a PNG.
     pub fn picture(self) -> &'static [u8] {
         match self {
             Self::Lidar => asset!("lidar.png"),

@@ -23,7 +23,7 @@ pub struct Reel {
     shared: Arc<Shared>,
     inputs: [PathBuf; 1],
     notes: Vec<String>,
-    /// Held by whoever looks whether there is more.
+    /// Held while checking for more frames.
     looking: Mutex<()>,
     /// It is in the program.
     is_embedded: bool,

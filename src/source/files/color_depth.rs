@@ -1,7 +1,7 @@
 //! The range of colours of a sequence, decided once for all of its frames.
 //!
 //! **How it works.** Fields of 16 bits and floats may hold 0 to 255, 0 to 65535 or 0 to 1, and the largest value of a
-//! frame tells which. A dark frame has no large value: read alone, it is as bright as the others. So a frame that looks
+//! frame decides. A dark frame has no large value: read alone, it is as bright as the others. So a frame that looks
 //! like a narrower range asks the sequence. The first one that does has a few frames read, evenly spread from first to
 //! last; the widest range among them holds for all frames, whichever was read first.
 

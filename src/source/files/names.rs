@@ -137,8 +137,8 @@ fn is_sign_after(before: Option<char>, minus: Minus) -> bool {
     }
 }
 
-/// The name that tells the place of `file` in a sequence: its stem, or that of its folder where each file is in a
-/// folder of its own.
+/// The name that determines the place of `file` in a sequence: its stem, or its folder's if each file is in a folder of
+/// its own.
 pub(super) fn telling_name(file: &Path, is_folder_per_frame: bool) -> String {
     if is_folder_per_frame {
         let folder = file.parent().and_then(Path::file_name).unwrap_or(OsStr::new(""));

@@ -1,8 +1,8 @@
-//! The thread that is connected: reads what comes, and connects again where nothing comes any more.
+//! The connected thread: reads messages, and reconnects when no more arrive.
 //!
-//! A server that is not there is tried again after a tenth of a second, then after twice as long each time, up to five
-//! seconds. One that says nothing for [`ClientDeadlines::silence`] counts as gone, as servers say what time it is once
-//! per second; so does one whose message comes more slowly than [`ClientDeadlines::transfer`] allows.
+//! An absent server is tried again after a tenth of a second, then after twice as long each time, up to five seconds.
+//! One that says nothing for [`ClientDeadlines::silence`] counts as gone, as servers send their time once per second;
+//! so does one whose message comes more slowly than [`ClientDeadlines::transfer`] allows.
 
 use super::shared::Shared;
 use crate::deadlines::ClientDeadlines;
@@ -70,7 +70,7 @@ fn connect(address: &str, deadlines: &ClientDeadlines) -> Result<TcpStream, Stri
 /// Uninhabited type: never returned.
 enum Never {}
 
-/// Takes what comes until that is over.
+/// Takes messages until they end.
 fn follow(
     shared: &Shared,
     stream: &TcpStream,
@@ -122,8 +122,8 @@ fn say(mut stream: &TcpStream, bytes: &[u8]) -> Result<(), WireError> {
     stream.write_all(bytes).map_err(WireError::Io)
 }
 
-/// Reads as long as the source is wanted and the server says something. Asks it from time to time what time it is, and
-/// tells it what is looked at.
+/// Reads as long as the source is wanted and the server says something. Asks it for its time at intervals, and sends it
+/// the view.
 struct Patient<'a> {
     stream: &'a TcpStream,
     shared: &'a Shared,

@@ -22,7 +22,7 @@ pub enum ConnectionChange {
 pub struct ConnectionWatch {
     /// When it was seen to be broken.
     broken: Option<Duration>,
-    /// `None` before the first look: what was before does not count.
+    /// `None` before the first check: earlier changes do not count.
     reconnects: Option<u64>,
 }
 

@@ -36,7 +36,7 @@ pub(super) struct Recorded {
     table: OnceLock<Option<DepthTable>>,
     sizes: Sizes,
     pub(super) filters: Filters,
-    /// Nobody chose them.
+    /// They are the defaults, not the user's choice.
     filters_are_automatic: bool,
     pub(super) read: ReadOptions,
     /// Edge of the cells in which points are joined where frames are merged, metres.
@@ -47,7 +47,7 @@ pub(super) struct Recorded {
     cameras: Mutex<Vec<Arc<PreparedRig>>>,
 }
 
-/// Cameras with what is worked out of them once.
+/// Cameras with the data computed from them once.
 #[derive(Debug)]
 struct PreparedRig {
     calibration: Arc<Calibration>,
@@ -200,7 +200,7 @@ impl Recorded {
             return Ok(Arc::clone(known));
         }
         let rig = calibration.rig(depth_px, color_px)?;
-        // Only the colour camera may differ: rays are those of the depth camera.
+        // Only the colour camera may differ: rays belong to the depth camera.
         let same_rays = cameras.iter().find(|known| known.rig.depth == rig.depth);
         let rays = same_rays.map_or_else(|| Arc::new(RayTable::of(&rig.depth)), |known| Arc::clone(&known.rays));
         let prepared = Arc::new(PreparedRig {
@@ -258,7 +258,7 @@ impl Recorded {
         Some(self.depth(self.frames.get(index)?).ok()?.0.report)
     }
 
-    /// Returns true if nobody chose the filters, and there are some.
+    /// Returns true if there are filters and they are the defaults.
     pub(super) fn may_skip_filters(&self) -> bool {
         self.filters_are_automatic && self.filters != Filters::NONE
     }

@@ -60,7 +60,7 @@ pub enum RgbdError {
         /// Underlying error and its location.
         reason: IoError,
     },
-    /// A Matroska file that is no recording of a depth camera, or one that cannot be read.
+    /// A Matroska file that is not a recording of a depth camera, or an unreadable one.
     #[error("{}: {problem}", path.display())]
     Matroska {
         /// The file.
@@ -110,7 +110,7 @@ pub enum RgbdError {
         path: PathBuf,
         /// Its size.
         found: [u32; 2],
-        /// That of the camera.
+        /// The error of the camera.
         expected: [u32; 2],
         /// Origin of the value.
         because: String,

@@ -11,7 +11,7 @@ use crate::io::ReadOptions;
 use crate::raster::Samples;
 use crate::rgbd::Filters;
 
-/// Images whose numbers tell the units.
+/// Number of images whose values determine the units.
 const IMAGES: usize = 5;
 
 /// Images that filters are tried on.
@@ -55,7 +55,7 @@ pub(super) fn settle_units(found: &mut FoundRecording, options: &ReadOptions) {
     }
 }
 
-/// The filters of `recorded` without those that would drop most of its images, and what is said of these.
+/// The filters of `recorded` without those that would drop most of its images, and the notes on these.
 pub(super) fn usual_filters(recorded: &Recorded, count: usize) -> (Filters, Vec<Assumption>) {
     let tried = spread(count, FILTERED_IMAGES);
     let reports: Vec<_> = tried.filter_map(|index| recorded.filter_report(index)).collect();

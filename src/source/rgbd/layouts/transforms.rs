@@ -130,7 +130,7 @@ fn tidy(units: f64) -> f64 {
     }
 }
 
-/// The lens of `frame`, of its own keys or of those of the file.
+/// The lens of `frame`, from its own keys or from the file's.
 fn lens(file: &Value, frame: &Value) -> Result<Intrinsics, String> {
     let at = |key: &str| {
         let value = frame.get(key).or_else(|| file.get(key))?;
