@@ -101,7 +101,7 @@ pub enum StereoError {
     /// Fewer views than a plane sweep has to have.
     #[error("{0} views: expected at least 2")]
     TooFewViews(usize),
-    /// Depth maps that are not as many as views.
+    /// Numbers of depth maps and views that differ.
     #[error("{maps} depth maps of {views} views: expected one per view")]
     CountsDiffer {
         /// Number of depth maps.
