@@ -27,11 +27,11 @@ pub enum LiveEvent {
     Joined(SocketAddr),
     /// Somebody has left, or was left.
     Left(ClientReport),
-    /// Somebody was sent away, as there are as many clients as may be.
+    /// A client was rejected: the client limit is reached.
     Full(SocketAddr),
 }
 
-/// Report of what a client was sent.
+/// Report of the data sent to a client.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClientReport {
     /// Address of the client.
@@ -65,7 +65,7 @@ pub(super) struct Client {
     taking: Mutex<Option<Instant>>,
     /// When it has said something last, as those who show the stream do all the time.
     heard: Mutex<Option<Instant>>,
-    /// To end what its threads wait for.
+    /// For ending the waits of its threads.
     pub(super) stream: TcpStream,
 }
 
@@ -119,8 +119,8 @@ impl Client {
         *lock(&self.heard) = Some(Instant::now());
     }
 
-    /// For how long it has taken nothing of what it is sent. Of one whose messages may lie in buffers of the network:
-    /// for how long it has said nothing, be it from the beginning. Who takes nothing comes before who says nothing.
+    /// Time since it last took any data sent to it. For a client whose messages may lie in network buffers: time since
+    /// its last message, or since it connected. Clients that take nothing come before silent ones.
     fn idle_for(&self) -> (bool, Duration) {
         if let Some(taken) = *lock(&self.taking) {
             return (true, taken.elapsed());
@@ -150,7 +150,7 @@ impl Client {
     }
 }
 
-/// All clients, and the newest frame, which is what a new one begins with.
+/// All clients, and the newest frame, which a new client begins with.
 #[derive(Debug, Default)]
 pub(super) struct Audience {
     inside: Mutex<Inside>,
@@ -179,8 +179,7 @@ impl Inside {
 }
 
 impl Audience {
-    /// Takes a client. Where all places are taken, one that has taken or said nothing for longer than `stuck` gives
-    /// way.
+    /// Accepts a client. If all places are taken, one that has taken or said nothing for longer than `stuck` gives way.
     pub(super) fn join(&self, client: &Arc<Client>, stuck: Duration) -> Joining {
         let mut inside = lock(&self.inside);
         if inside.is_over {
@@ -247,7 +246,7 @@ impl Audience {
             .sum()
     }
 
-    /// Says that it is over, and hangs up where nobody listens.
+    /// Announces the end, and hangs up on clients that do not listen.
     pub(super) fn end(&self, reason: &str) {
         let clients = {
             let mut inside = lock(&self.inside);

@@ -98,10 +98,11 @@ impl Shared {
 }
 
 impl LiveServer {
-    /// Listens at `address`; nobody is answered before [`LiveServer::run`]. `tell` hears who comes and goes.
+    /// Listens at `address`; clients are not answered before [`LiveServer::run`]. `tell` receives their arrivals and
+    /// departures.
     ///
     /// # Errors
-    /// Those of the system, if it cannot be listened there.
+    /// Errors of the system, if listening fails.
     pub fn bind(
         source: Arc<dyn Source>,
         schedule: Schedule,
@@ -255,7 +256,7 @@ impl LiveServer {
         "the server was stopped"
     }
 
-    /// All points of a frame, if its body was made and somebody has said what it looks at.
+    /// All points of a frame, if its body was made and a client has sent a view.
     fn whole(&self, feed: &mut Feed, index: usize, body: Option<&Body>) -> Option<Arc<WholeFrame>> {
         body.filter(|_| self.shared.audience.has_views())?;
         feed.whole(index)
@@ -287,7 +288,7 @@ impl LiveServer {
     /// Takes clients until it is over.
     fn accept(&self) {
         let mut back_off = AcceptBackOff::default();
-        // Clients for which there is no place yet.
+        // Clients without a place yet.
         let mut waiting = VecDeque::new();
         while !self.shared.is_over() {
             self.seat(&mut waiting);
