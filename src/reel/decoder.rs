@@ -13,8 +13,8 @@ use std::sync::Arc;
 /// Maximum number of nodes in a byte of a stream: even a predicted bit costs something.
 const NODES_PER_BYTE: u64 = 1 << 15;
 
-/// Number of nodes that take about one second. Beyond it, a byte holds at most this many: a file of a few kilobytes
-/// that claims a billion points is made to keep its reader busy.
+/// Number of nodes that take about one second. Beyond it, a byte holds at most [`MANY_NODES_PER_BYTE`]: a file of a few
+/// kilobytes that claims a billion points would be made to keep its reader busy.
 const MANY_NODES: u64 = 1 << 22;
 const MANY_NODES_PER_BYTE: u64 = 1 << 9;
 

@@ -1,7 +1,8 @@
 //! Small messages: the time, and acknowledgements.
 //!
 //! Clocks of two machines differ. A client that asks at t₀ and hears at t₃ that the server was asked at t₁ and answered
-//! at t₂ knows the difference of the clocks, ((t₁ − t₀) + (t₂ − t₃)) / 2, up to half of the time on the way (Mills 1991).
+//! at t₂ knows the difference of the clocks, ((t₁ − t₀) + (t₂ − t₃)) / 2, up to half of the time on the way (Mills
+//! 1991).
 
 use super::bytes::{Fields, Written};
 use super::error::WireError;

@@ -222,7 +222,8 @@ fn lens(intrinsic: &Value, version: [f64; 3]) -> Result<Lens, String> {
         principal_px: if is_from_corner {
             principal
         } else {
-            // Half of the size is half a pixel right of the centre: this follows AliceVision's behaviour, not the word *centre*.
+            // Half of the size is half a pixel right of the centre: this follows AliceVision's behaviour, not the word
+            // *centre*.
             0.5 * size + principal
         },
         distortion: distortion(intrinsic)?,

@@ -2,9 +2,9 @@
 //!
 //! How it works: asymmetric numeral systems (ANS) (Duda 2013) with ranges: the state of the coder is a number; a symbol
 //! of frequency f of 4096 makes it 4096 / f times as large, and bits beyond 32 are written, 16 at a time. One look-up
-//! by the lowest 12 bits of the state yields the symbol and the previous state. Several states take turns (Giesen 2014),
-//! so that a CPU works on several symbols at once: the caller selects the state by numbers that are known at compile
-//! time, so that they stay in registers.
+//! by the lowest 12 bits of the state yields the symbol and the previous state. Several states take turns (Giesen
+//! 2014), so that a CPU works on several symbols at once: the caller selects the state by numbers that are known at
+//! compile time, so that they stay in registers.
 //!
 //! When it wins: a symbol takes one look-up where an adaptive coder has several for each bit of it. What it costs: the
 //! tables, and no adaptation along the stream.

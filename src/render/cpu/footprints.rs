@@ -77,7 +77,7 @@ mod tests {
 
     const SIZE_PX: [u32; 2] = [64, 48];
 
-    /// Masks: a splat may cover the centre of a pixel; it is within this many pixels.
+    /// Returns true if a splat may cover the centre of a pixel, and true if it is within this many pixels.
     fn footprint(view: &PixelView, center: Vec3, reach: f32, within_px: f32) -> (bool, bool) {
         dispatch!(Level::new(), simd => {
             let footprints = Footprints::of(simd, view, Vectors::splat(simd, center), f32x8::splat(simd, reach));

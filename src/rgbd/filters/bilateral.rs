@@ -41,7 +41,8 @@ impl Bilateral {
         noise_factor: 3.0,
     };
 
-    /// `σ_d` of a pixel at `depth_m`: three times the noise by default, 1.2 mm + 1.9 mm · (z − 0.4)² (Nguyen et al. 2012).
+    /// `σ_d` of a pixel at `depth_m`: three times the noise by default, 1.2 mm + 1.9 mm · (z − 0.4)² (Nguyen et al.
+    /// 2012).
     pub fn sigma_depth_m(&self, depth_m: f32) -> f32 {
         self.depth_m.unwrap_or_else(|| {
             let beyond = depth_m - SENSOR_BEST_M;

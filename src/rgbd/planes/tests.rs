@@ -8,7 +8,7 @@ const SIZE_PX: [u32; 2] = [160, 120];
 
 const FOCAL_PX: f32 = 130.0;
 
-/// Image of a camera at depths by the ray; holes where there is none.
+/// Points that a camera sees at depths by the ray; holes where there is none.
 fn seen(depth: impl Fn([f32; 2]) -> Option<f32>) -> Vec<Vec3> {
     let [width, height] = SIZE_PX;
     let point = |column: u32, row: u32| {

@@ -16,8 +16,8 @@
 //! g`: both lie on rays through the same pixels, so perspective is exact.
 //!
 //! Lines change by lengths and not by hits, so few of them are smooth, and they are the same for every pixel: there is
-//! no noise, nothing to blur, and parts of an image match the whole. Horizons (Bavoil and Sainz 2008; Jimenez et al. 2016)
-//! take angles where this takes lengths, and both noise.
+//! no noise, nothing to blur, and parts of an image match the whole. Horizons (Bavoil and Sainz 2008; Jimenez et al.
+//! 2016) take angles where this takes lengths, and both noise.
 //!
 //! Depths come from the depth buffer, normals from the blended surface. The radius is a share of the cloud's, so that
 //! creases stay as dark when the camera moves.

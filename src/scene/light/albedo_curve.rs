@@ -1,10 +1,10 @@
 //! Directional albedo of rough surfaces: the light they mirror, and the energy that one pass over their microfacets
 //! loses.
 //!
-//! **How it works.** Microfacets follow GGX (Walter et al. 2007) with the height-correlated masking of Smith (Heitz 2014).
-//! Their formula covers one bounce only. On rough surfaces light bounces again, so a white metal would be grey. Kulla
-//! and Conty 2017 return the lost energy as a second lobe, a product of the losses at both angles: it is the same when
-//! light and eye change places, and energy is neither created nor lost. A dielectric scatters the light that its
+//! **How it works.** Microfacets follow GGX (Walter et al. 2007) with the height-correlated masking of Smith (Heitz
+//! 2014). Their formula covers one bounce only. On rough surfaces light bounces again, so a white metal would be grey.
+//! Kulla and Conty 2017 return the lost energy as a second lobe, a product of the losses at both angles: it is the same
+//! when light and eye change places, and energy is neither created nor lost. A dielectric scatters the light that its
 //! microfacets let in, again in proportion at both angles.
 //!
 //! The losses are integrals with one parameter, the cosine between normal and eye; they are tabulated for the roughness

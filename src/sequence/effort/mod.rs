@@ -2,9 +2,9 @@
 //!
 //! **How it works.** Two things may be too slow for a frame rate. *Preparing* frames: the decoding time and the time
 //! per point after it are averaged over recently prepared frames, as they were measured, including other load of the
-//! machine; the workers' time between two frames, less decoding, determines how many points there is time for. *Drawing*
-//! them: while images take longer than a frame lasts, frames of fewer points are wanted, as long as that helps; now and
-//! then twice the points are tried. Playback begins with few points, unless images were drawn before.
+//! machine; the workers' time between two frames, less decoding, determines how many points there is time for.
+//! *Drawing* them: while images take longer than a frame lasts, frames of fewer points are wanted, as long as that
+//! helps; now and then twice the points are tried. Playback begins with few points, unless images were drawn before.
 //!
 //! Numbers of points are powers of two, and are raised only when there is time for a third more, so that they do not
 //! waver.

@@ -110,7 +110,7 @@ pub enum RgbdError {
         path: PathBuf,
         /// Its size.
         found: [u32; 2],
-        /// The error of the camera.
+        /// The camera's size.
         expected: [u32; 2],
         /// Origin of the value.
         because: String,

@@ -1,9 +1,9 @@
 //! Robust mean of the colours of several images at one point, where some of them are wrong.
 //!
 //! How it works: the mean of all is taken, in which the images nearest to the eye's direction count most. Then it is
-//! taken again with weights by how far each is from it, `q = 1 / (1 + d² / s²)` (Cauchy's weights, Holland and Welsch 1977),
-//! twice. So the one image of four that shows something else (a person who walked by, the other side of an outline, a
-//! wrong pose) fades. No image appears or vanishes at once.
+//! taken again with weights by how far each is from it, `q = 1 / (1 + d² / s²)` (Cauchy's weights, Holland and Welsch
+//! 1977), twice. So the one image of four that shows something else (a person who walked by, the other side of an
+//! outline, a wrong pose) fades. No image appears or vanishes at once.
 //!
 //! An error in the position shows up as a shift that grows with the obliqueness of an image: the variance of its colour
 //! grows with the square of its angle θ, and the best mean has weights of `n = (θ₁² + a²) / (θ² + a²)`, θ₁ being the

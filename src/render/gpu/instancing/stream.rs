@@ -14,7 +14,7 @@ pub(in crate::render::gpu) struct Stream {
     pub(in crate::render::gpu) byte_size: u64,
 }
 
-/// The maximum number of records that one binding can hold.
+/// Records that fit in one binding.
 #[derive(Debug, Clone)]
 pub(in crate::render::gpu) struct Chunk {
     pub(in crate::render::gpu) record_count: u32,

@@ -144,7 +144,7 @@ pub(super) struct Programs(ComputePrograms);
 pub(super) struct Work {
     /// Byte offset of the uniform.
     pub(super) uniform_offset: u32,
-    /// The minimum number.
+    /// Minimum number of invocations.
     pub(super) invocations: u32,
 }
 

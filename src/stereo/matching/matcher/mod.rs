@@ -118,7 +118,7 @@ pub trait PairMatcher: Debug + Send + Sync {
     /// Disparities of the pixels of `left`, as [`Matching::disparities`] has them.
     ///
     /// # Errors
-    /// As before.
+    /// The errors of [`Matching::disparities`].
     fn disparities(
         &self,
         matching: &Matching,

@@ -14,7 +14,7 @@ use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use std::sync::Arc;
 
-/// For all points.
+/// Colour of all points.
 pub(super) const COLOR: [u8; 4] = [200, 100, 50, 255];
 
 /// A packet of points with one normal as a byte code, seen by a camera.
