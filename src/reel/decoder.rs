@@ -81,8 +81,8 @@ impl ReelDecoder {
     }
 
     /// Decodes frame `index` at its finest level of at most `max_points` points (at its root, if no level has so few;
-    /// `usize::MAX` for all of it). The result does not depend on what was decoded before, but the time does: a frame
-    /// that is encoded relative to others is decoded after them, unless the one before it was decoded last.
+    /// `usize::MAX` for all of it). The result does not depend on earlier decoding, but the time does: a frame that is
+    /// encoded relative to others is decoded after them, unless the one before it was decoded last.
     ///
     /// # Errors
     /// No such frame, bytes that are damaged, more memory than is allowed, and cancellation.

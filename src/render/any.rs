@@ -13,7 +13,7 @@ use std::sync::Arc;
 pub enum AnyRenderer {
     /// Draws on an adapter of the graphics library.
     Gpu(Box<GpuRenderer>),
-    /// Draws on the processor.
+    /// Draws on the CPU.
     Cpu(Box<CpuRenderer>),
 }
 
@@ -45,7 +45,7 @@ impl AnyRenderer {
         }
     }
 
-    /// The processor.
+    /// The CPU.
     pub fn cpu() -> Self {
         Self::Cpu(Box::default())
     }
@@ -71,7 +71,7 @@ impl AnyRenderer {
         }
     }
 
-    /// Longest edge of a picture that is drawn at once.
+    /// Longest edge of an image that is drawn at once.
     pub fn max_edge_px(&self) -> u32 {
         match self {
             Self::Gpu(renderer) => renderer.context().max_edge_px(),
@@ -87,7 +87,7 @@ impl AnyRenderer {
         Ok(())
     }
 
-    /// Waits for the last picture's time on the GPU's clock; `None` without one.
+    /// Waits for the last image's time on the GPU's clock; `None` without one.
     pub fn wait_gpu_ms(&mut self) -> Option<f64> {
         match self {
             Self::Gpu(renderer) => renderer.wait_gpu_ms(),

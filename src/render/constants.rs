@@ -113,7 +113,7 @@ pub(super) const SQUARE_REACH_RADII: f32 = 1.4143;
 /// Distance of the corners of a cube from its centre, in half edges: √3, rounded up.
 pub(super) const CUBE_REACH_HALF_EDGES: f32 = 1.7321;
 
-/// Greys of the nearest and the farthest depth in the picture of the visibility pass.
+/// Greys of the nearest and the farthest depth in the image of the visibility pass.
 pub(super) const NEAREST_GREY: f32 = 0.95;
 pub(super) const FARTHEST_GREY: f32 = 0.15;
 

@@ -3,7 +3,7 @@
 
 use crate::scene::{Content, ScenePacket};
 
-/// The last content that was gathered, so that pictures of the same nodes are drawn from the same records.
+/// The last content that was gathered, so that images of the same nodes are drawn from the same records.
 #[derive(Debug, Default)]
 pub(super) struct Gathered {
     /// Cached input content, and the gathered result.

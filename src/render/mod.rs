@@ -27,7 +27,7 @@ pub trait Renderer {
     /// Draws the prepared packet. Nothing is done when it equals the one drawn last.
     fn render(&mut self) -> Result<(), RenderError>;
 
-    /// Waits for the picture and reads it back: display-referred 8-bit RGBA, opaque.
+    /// Waits for the image and reads it back: display-referred 8-bit RGBA, opaque.
     fn read_image(&mut self) -> Result<image::RgbaImage, RenderError>;
 
     /// Returns the statistics of the work done so far.
@@ -37,7 +37,7 @@ pub trait Renderer {
 /// Counters and times of a renderer. Tests read them to prove that work was skipped.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
 pub struct RenderStats {
-    /// Pictures drawn since creation.
+    /// Images drawn since creation.
     pub frames: u64,
     /// Passes (render and compute) since creation.
     pub passes: u64,
@@ -47,18 +47,18 @@ pub struct RenderStats {
     pub uploaded_bytes: u64,
     /// Bytes of record streams that are on the GPU now.
     pub resident_bytes: u64,
-    /// Draw calls of the last picture.
+    /// Draw calls of the last image.
     pub draw_calls: u32,
-    /// Records handed to draw calls of the last picture, each pass counted; by the software renderer to tiles, each
-    /// tile counted.
+    /// Records handed to draw calls of the last image, each pass counted; by the software renderer to tiles, each tile
+    /// counted.
     pub drawn_instances: u64,
-    /// Records of the last picture, each counted once.
+    /// Records of the last image, each counted once.
     pub records: u64,
     /// CPU time of the last [`Renderer::prepare`].
     pub prepare_ms: f64,
     /// CPU time of the last [`Renderer::render`]: encoding and, unless the window does it, submission.
     pub encode_ms: f64,
-    /// GPU time of the last picture that was measured; `None` where timestamps are not supported.
+    /// GPU time of the last image that was measured; `None` where timestamps are not supported.
     pub gpu_ms: Option<f64>,
     /// GPU time of each pass of that image.
     pub gpu_passes: PassTimes,
@@ -74,7 +74,7 @@ pub struct RenderStats {
     pub screen_ms: f64,
 }
 
-/// A picture in the size in which it is shown, where a smaller one was drawn (see
+/// An image in the size in which it is shown, where a smaller one was drawn (see
 /// [`Style::resolution`](crate::scene::Style::resolution)): interpolated linearly, as the window does.
 pub(crate) fn scaled_to(image: image::RgbaImage, size_px: [u32; 2]) -> image::RgbaImage {
     let [width, height] = size_px.map(|edge| edge.max(1));
@@ -120,7 +120,7 @@ pub enum RenderError {
         /// Object that was to be allocated.
         what: &'static str,
     },
-    /// A picture larger than the adapter can make.
+    /// An image larger than the adapter can make.
     #[error("a picture of {width}x{height} pixels is larger than the {max} of this adapter")]
     TooLarge {
         /// Asked width.

@@ -12,7 +12,7 @@ pub struct PassTime {
     pub gpu_ms: Option<f64>,
 }
 
-/// The passes of one picture, in their order: the timed ones, which are all on adapters with timestamps.
+/// The passes of one image, in their order: the timed ones, which are all on adapters with timestamps.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct PassTimes {
     passes: [PassTime; Self::MAX],

@@ -57,7 +57,7 @@ pub struct Scene {
     stats: SceneStats,
 }
 
-/// The last cut, what it depends on, and its records.
+/// The last cut, its inputs, and its records.
 #[derive(Debug)]
 struct LastCut {
     from: CutInput,

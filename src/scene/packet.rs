@@ -5,7 +5,7 @@ use super::style::{Antialiasing, BackFaces, Splatting};
 use super::{Clip, DrawSettings, GroundPlane, Lighting, PhotosInFrame, Primitive, ViewTransform};
 use crate::math::Aabb;
 
-/// Everything a renderer needs for one picture. Equal packets make equal pictures.
+/// Everything a renderer needs for one image. Equal packets make equal images.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScenePacket {
     /// Width and height, at least 1.
@@ -60,7 +60,7 @@ impl ScenePacket {
         drawn
     }
 
-    /// Height of the whole picture that this one is a part of, pixels.
+    /// Height of the whole image that this one is a part of, pixels.
     pub fn whole_height_px(&self) -> f32 {
         let [top, bottom] = self.view.rows_of_whole;
         self.viewport_px[1] as f32 / (bottom - top)
@@ -97,8 +97,8 @@ impl ScenePacket {
         packet
     }
 
-    /// The part of `part_px` of this picture whose upper left pixel is `start_px`, with the same records. Precondition:
-    /// it lies within the picture, which is not a part itself.
+    /// The part of `part_px` of this image whose upper left pixel is `start_px`, with the same records. Precondition:
+    /// it lies within the image, which is not a part itself.
     #[must_use]
     pub fn part(&self, start_px: [u32; 2], part_px: [u32; 2]) -> Self {
         Self {

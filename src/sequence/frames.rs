@@ -73,7 +73,7 @@ impl Sequence {
     }
 
     /// The frames of `inputs`: folders, glob patterns and files in any mix, in natural number order. See
-    /// [`SequenceError`] for what can be wrong.
+    /// [`SequenceError`] for possible errors.
     pub fn discover(inputs: &[PathBuf]) -> Result<Self, SequenceError> {
         Self::open(inputs, &OpenOptions::default())
     }

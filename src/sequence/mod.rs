@@ -2,7 +2,7 @@
 //!
 //! [`Sequence::discover`] orders files without reading them. [`crate::timeline::Clock`] determines the frame that is
 //! due. A [`Loader`] decodes and prepares frames on worker threads in the order in which the clock will request them,
-//! and caches what a byte budget allows:
+//! and caches as many as a byte budget allows:
 //!
 //! ```no_run
 //! use pointreel::sequence::{Loader, LoaderOptions, Needs, Sequence};

@@ -12,8 +12,8 @@
 //! then the same f32, and equal clouds have no distance.
 //!
 //! **Once.** The first caller decodes frames from the start until one is readable, others wait for it. Its decoded
-//! frame is cached until it is loaded, and errors it met are cached as well: nothing is decoded twice, except what was
-//! cancelled.
+//! frame is cached until it is loaded, and errors it met are cached as well: nothing is decoded twice, except cancelled
+//! frames.
 
 use super::error::FrameError;
 use crate::cloud::{MissingPoints, NoData, RawCloud, ValueSample};

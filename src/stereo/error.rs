@@ -87,7 +87,7 @@ pub enum StereoError {
         /// Maximum sum of P1 and P2.
         most: u8,
     },
-    /// Memory beyond what stereo allows itself.
+    /// Memory beyond the limit of stereo.
     #[error(
         "stereo of these images takes {needed_mib} MiB: expected at most {max_mib}; scale the images down or narrow \
          the range"

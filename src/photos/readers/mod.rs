@@ -1,4 +1,4 @@
-//! Readers of image sets, a row each: what a folder or a file holds, by the names that programs give to their files.
+//! Readers of image sets, one row each: the contents of a folder or a file, by programs' naming conventions.
 //!
 //! How it works: every opened folder is checked, so the usual names are looked up one by one, and the folder is listed
 //! once for names that vary. For a folder, the first row that finds its files counts: formats with points come first,

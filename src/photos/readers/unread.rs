@@ -1,7 +1,7 @@
 //! Unsupported image folders: a folder that holds images but no set that can be read is reported by name, with advice.
 //!
 //! To a point cloud reader, a folder of images without points looks like an empty one, or, if it also contains a list
-//! file, like a damaged cloud. Neither error states what is missing.
+//! file, like a damaged cloud. Neither error states the missing data.
 
 use super::meshroom;
 use crate::photos::error::PhotosError;

@@ -22,7 +22,7 @@ pub struct ViewSet {
     /// Dense point cloud that a dense reconstruction stage created from the images: it is shown instead of the sparse
     /// points.
     pub dense_file: Option<PathBuf>,
-    /// Notes on what was skipped or assumed, one sentence each.
+    /// Notes on skipped and assumed data, one sentence each.
     pub notes: Vec<String>,
 }
 

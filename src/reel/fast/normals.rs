@@ -111,7 +111,7 @@ impl Kind for Normals {
         }
         let steps = self.steps(parent, normal);
         let [first, second] = steps.map(|step| step >> shift);
-        // The step, wrapped around, is what a range begins with.
+        // The wrapped step is the start of a range.
         let [along, across] = [0, 1].map(|axis| steps[axis] & ((1 << self.bits[axis]) - 1));
         if first.abs().max(second.abs()) > MAX_STEP {
             return (FAR, [along, across, 0]);

@@ -3,7 +3,7 @@
 //! How it works: along each axis the mean of the siblings on the upper side is compared with the mean on the lower
 //! side. A child is a quarter of that distance from the centre of its parent; an eighth of the difference is taken for
 //! each axis, as siblings that stand diagonally show the same slope along two. All children of one grandparent have the
-//! same eight sums, by their octant. A sixth of the time that nodes across faces take, and half of what they save.
+//! same eight sums, by their octant. A sixth of the time that nodes across faces take, and half of their saving.
 
 use crate::reel::tree::OCTANTS;
 

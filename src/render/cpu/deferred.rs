@@ -1,5 +1,5 @@
-//! Deferred shading on the processor (`shaders/passes/shade.wgsl`): light falls on eight pixels of a tile at a time,
-//! when its surface is blended. The lights: `scene/light/lights.rs`.
+//! Deferred shading on the CPU (`shaders/passes/shade.wgsl`): light falls on eight pixels of a tile at a time, when its
+//! surface is blended. The lights: `scene/light/lights.rs`.
 
 use super::eight::{Vectors, lane_numbers};
 use super::illumination::{Illumination, Lit, ShadedLamp};

@@ -5,7 +5,7 @@
 //! variances in the plane of the splat is, in units of the splat's own, `A = I + r²·(JᵀJ)⁻¹`, where r is the radius in
 //! pixels of the splat that a point becomes. The new half edges are `(u v)·√A`: the symmetric root of two rows, `(A +
 //! s·I)/√(trace A + 2s)` with `s = √det A`, needs no eigenvectors. The mask of the filtered splat is `1/s` times as
-//! high, so that it adds as much to the picture as before.
+//! high, so that it adds as much to the image as before.
 
 use super::eight::Vectors;
 use super::view::PixelView;

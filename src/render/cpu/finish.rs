@@ -1,4 +1,4 @@
-//! From the pixels of a tile to bytes of the picture: background, resolve and the grey of depths (`shaders/passes`).
+//! From the pixels of a tile to bytes of the image: background, resolve and the grey of depths (`shaders/passes`).
 
 use super::deferred::{Surface, shade};
 use super::eight::Vectors;

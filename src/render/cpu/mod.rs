@@ -1,11 +1,11 @@
-//! The software renderer: the passes of `render/gpu` on the processor, for machines without a GPU.
+//! The software renderer: the passes of `render/gpu` on the CPU, for machines without a GPU.
 //!
-//! How it works: the picture is divided into tiles whose pixels stay in the second cache while everything that may
-//! touch them is drawn (`blocks.rs`), pass after pass, and are then written to the picture once. Bands of tiles are
-//! tasks that share nothing, so there are no locks and no atomic operations, and pictures do not depend on the number
-//! of threads. Patches are affine functions of pixels (`facet.rs`), evaluated eight at a time (`raster.rs`). Steps that
-//! look beyond a tile, such as eye-dome lighting, follow when all of them are drawn (`screen.rs`); depths that light
-//! depends on are drawn before (`effects/ambient_occlusion`, `effects/shadow`).
+//! How it works: the image is divided into tiles whose pixels stay in the second cache while everything that may touch
+//! them is drawn (`blocks.rs`), pass after pass, and are then written to the image once. Bands of tiles are tasks that
+//! share nothing, so there are no locks and no atomic operations, and images do not depend on the number of threads.
+//! Patches are affine functions of pixels (`facet.rs`), evaluated eight at a time (`raster.rs`). Steps that look beyond
+//! a tile, such as eye-dome lighting, follow when all of them are drawn (`screen.rs`); depths that light depends on are
+//! drawn before (`effects/ambient_occlusion`, `effects/shadow`).
 //!
 //! Modes, lights and background match the shaders'; `tests/pictures/cpu_renderer.rs` compares the two.
 
@@ -60,7 +60,7 @@ use rows::{TileRow, bands_of};
 use screen::Screen;
 use std::time::Instant;
 
-/// Draws on the processor.
+/// Draws on the CPU.
 #[derive(Debug, Default)]
 pub struct CpuRenderer {
     prepared: Option<ScenePacket>,
@@ -85,7 +85,7 @@ pub struct CpuRenderer {
 }
 
 impl CpuRenderer {
-    /// Longest edge of a picture: as for textures of most GPUs.
+    /// Longest edge of an image: as for textures of most GPUs.
     pub const MAX_EDGE_PX: u32 = 32_768;
 
     /// A renderer that has drawn nothing.
@@ -112,7 +112,7 @@ impl CpuRenderer {
         })
     }
 
-    /// The last picture.
+    /// The last image.
     pub fn image(&self) -> &RgbaImage {
         if self.smooth.is_empty() {
             &self.image

@@ -1,4 +1,4 @@
-//! The loop over the tiles of a picture, the same for everything drawn into them.
+//! The loop over the tiles of an image, the same for everything drawn into them.
 
 use super::finish::{Finish, Held};
 use super::illumination::Illumination;
@@ -44,7 +44,7 @@ impl<'a> Painter<'a> {
         &self.finish.view
     }
 
-    /// Draws every tile, and writes it to its place in its row of the picture.
+    /// Draws every tile, and writes it to its place in its row of the image.
     pub(super) fn paint<T: InTiles>(&self, content: &T, bands: Vec<TileRow<'_>>) {
         let level = Level::new();
         bands.into_par_iter().enumerate().for_each_init(
@@ -108,8 +108,7 @@ fn look_at_tile<S: Simd>(
     );
 }
 
-/// Writes the pixels of a tile to the picture. All lighting is computed here: compiled once, and not for each
-/// primitive.
+/// Writes the pixels of a tile to the image. All lighting is computed here: compiled once, and not for each primitive.
 #[inline(never)]
 fn finish_tile<S: Simd>(simd: S, tile: &Tile, finish: &Finish<'_>, rows: &mut TileRow<'_>) {
     simd.vectorize(

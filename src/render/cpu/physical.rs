@@ -1,5 +1,5 @@
-//! Metallic–roughness shading on the processor (`shaders/common/physical.wgsl`), of eight pixels at a time. The
-//! formulas: `scene/light/physical_light.rs`.
+//! Metallic–roughness shading on the CPU (`shaders/common/physical.wgsl`), of eight pixels at a time. The formulas:
+//! `scene/light/physical_light.rs`.
 
 use super::eight::Vectors;
 use super::illumination::{Illumination, Lit, ShadedLamp, Toward};

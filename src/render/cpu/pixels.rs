@@ -1,4 +1,4 @@
-//! Eight pixels of a picture: from bytes to colours and back.
+//! Eight pixels of an image: from bytes to colours and back.
 
 use super::tile::LANES;
 use fearless_simd::{Bytes, Simd, SimdBase, SimdFloat, f32x8, u32x8};

@@ -1,4 +1,4 @@
-//! Patches to pixels: eight pixels of a row at a time, as registers of the processor hold them.
+//! Patches to pixels: eight pixels of a row at a time, as CPU registers hold them.
 //!
 //! Each function does the work of one pass of `shaders/passes` on a fragment.
 

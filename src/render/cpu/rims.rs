@@ -41,8 +41,8 @@ pub(super) fn cover_rims(size_px: [u32; 2], rim_px: u32, gradient: &Gradient, im
     });
 }
 
-/// Writes the pixels that `filled_of_row` finds in each row, with their places in the picture: in all of them, before
-/// any is written.
+/// Writes the pixels that `filled_of_row` finds in each row, with their places in the image: in all of them, before any
+/// is written.
 pub(super) fn fill_rows(
     size_px: [u32; 2],
     rim_px: u32,
@@ -144,7 +144,7 @@ impl Drawn<'_> {
         None
     }
 
-    /// Steps of one pixel along an axis from another one on until the picture ends.
+    /// Steps of one pixel along an axis from another one on until the image ends.
     fn space(&self, pixel: [i32; 2], axis: usize, step: i32) -> i32 {
         match step {
             0 => i32::MAX,

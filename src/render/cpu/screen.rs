@@ -49,7 +49,7 @@ impl Screen {
         })
     }
 
-    /// Finishes a picture with its reversed depths. Gaps are closed by `posed_images`.
+    /// Finishes an image with its reversed depths. Gaps are closed by `posed_images`.
     pub(super) fn draw(&self, image: &mut [u8], depths: &[f32], posed_images: Option<&Projected<'_>>) {
         let posed_images = posed_images.filter(|posed_images| posed_images.closes_gaps());
         if posed_images.is_none() && self.rim_px == 0 {

@@ -56,7 +56,7 @@ pub(super) struct EightSmall<'a, S: Simd> {
     pub(super) colors: [f32x8<S>; 3],
     /// Factor on the colours of their back sides.
     pub(super) back_side: f32,
-    /// Lanes with a splat that may be in the picture.
+    /// Lanes with a splat that may be in the image.
     pub(super) may_touch: mask32x8<S>,
     pub(super) is_lit: bool,
 }

@@ -1,4 +1,4 @@
-//! The picture in tiles: a piece of it, with all data that its pixels need while they are drawn, stays in the second
+//! The image in tiles: a piece of it, with all data that its pixels need while they are drawn, stays in the second
 //! cache.
 
 use super::view::PixelRect;
@@ -48,7 +48,7 @@ impl Tiles {
 /// The pixels of one tile while it is drawn, row after row.
 #[derive(Debug)]
 pub(super) struct Tile {
-    /// The pixel of the picture in its upper left corner.
+    /// The pixel of the image in its upper left corner.
     pub(super) origin: [i32; 2],
     /// Reversed depth, `near/distance`; 0 where nothing is.
     pub(super) depth: Vec<f32>,
@@ -78,7 +78,7 @@ impl Tile {
         }
     }
 
-    /// Its pixels in the picture.
+    /// Its pixels in the image.
     pub(super) fn rect(&self) -> PixelRect {
         let [x, y] = self.origin;
         PixelRect {

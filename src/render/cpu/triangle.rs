@@ -134,7 +134,7 @@ struct Places<S: Simd> {
     /// On the triangle.
     p: f32x8<S>,
     q: f32x8<S>,
-    /// The first of them in the picture, and in its tile.
+    /// The first of them in the image, and in its tile.
     pixel: [i32; 2],
     at: usize,
 }

@@ -3,7 +3,7 @@
 use crate::scene::ScenePacket;
 use glam::{Mat3, Vec3};
 
-/// A view space that looks down −z, and the pixels of a picture.
+/// A view space that looks down −z, and the pixels of an image.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::render) struct PixelView {
     rotation: Mat3,

@@ -44,13 +44,13 @@ pub(in crate::render) enum OnCpu {
     Shown(fn(&RgbaImage, &mut RgbaImage)),
 }
 
-/// A step from row to row of a picture that is drawn.
+/// A step from row to row of an image that is drawn.
 pub(in crate::render) trait RowStep: fmt::Debug + Send + Sync {
     /// Changes a row.
     fn draw(&self, row: &mut PictureRow<'_>);
 }
 
-/// A row of a picture, with the depths of all of it.
+/// A row of an image, with the depths of all of it.
 pub(in crate::render) struct PictureRow<'a> {
     pub(in crate::render) level: Level,
     pub(in crate::render) y: usize,
@@ -58,6 +58,6 @@ pub(in crate::render) struct PictureRow<'a> {
     /// The fourth byte is the fraction of the background that a pixel hides until [`Stage::Drawn`] is done, and unused
     /// afterwards.
     pub(in crate::render) pixels: &'a mut [[u8; 4]],
-    /// Reversed depths of the picture; 0 where it is empty.
+    /// Reversed depths of the image; 0 where it is empty.
     pub(in crate::render) depths: &'a [f32],
 }

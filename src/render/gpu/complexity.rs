@@ -34,7 +34,7 @@ pub struct PassComplexity {
     pub fragment: StageComplexity,
 }
 
-/// The passes that draw the records of `packet`, then those that finish them over the whole picture.
+/// The passes that draw the records of `packet`, then those that finish them over the whole image.
 pub fn passes_of(packet: &ScenePacket) -> Vec<PassComplexity> {
     let plan = Plan::new(packet, true);
     let over_records = plan.geometry_keys().map(|key| {

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex};
 /// Adapter selection and limits.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ContextOptions {
-    /// Take a software adapter even where there is a GPU. Tests do: their pictures then come from one rasteriser.
+    /// Take a software adapter even where there is a GPU. Tests do: their images then come from one rasteriser.
     pub prefer_software: bool,
     /// Draw at most this many records from one buffer, below the adapter's own limit. Tests force many chunks with it.
     pub max_chunk_records: Option<usize>,
@@ -80,7 +80,7 @@ impl Context {
         let early_depths = wgpu::Features::SHADER_EARLY_DEPTH_TEST;
         let features = adapter.features() & (timestamps | single_floats | early_depths);
         let has_timestamps = features.contains(timestamps);
-        // wgpu's own defaults (256 MiB per buffer) are below what adapters support.
+        // wgpu's own defaults (256 MiB per buffer) are below the limits of adapters.
         let limits = adapter.limits();
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("pointreel"),
@@ -127,12 +127,12 @@ impl Context {
         }
     }
 
-    /// Lets the next `count` allocations for pictures fail as if the GPU had no memory left.
+    /// Lets the next `count` allocations for images fail as if the GPU had no memory left.
     pub fn simulate_out_of_memory(&self, count: u32) {
         self.allocations_to_fail.store(count, Ordering::Relaxed);
     }
 
-    /// Ends the device as a crashed driver would: every later picture fails with [`RenderError::DeviceLost`].
+    /// Ends the device as a crashed driver would: every later image fails with [`RenderError::DeviceLost`].
     pub fn simulate_loss(&self) {
         self.device.destroy();
         *lock(&self.lost) = Some("simulated".to_owned());
@@ -156,7 +156,7 @@ impl Context {
         self.info.device_type == wgpu::DeviceType::Cpu
     }
 
-    /// Largest edge of a picture.
+    /// Largest edge of an image.
     pub fn max_edge_px(&self) -> u32 {
         self.limits.max_texture_dimension_2d
     }

@@ -45,7 +45,7 @@ impl PhotoAnswers {
         &self.levels[level]
     }
 
-    /// Colours and normals of the size of the picture.
+    /// Colours and normals of the size of the image.
     pub(super) fn finest(&self) -> [&wgpu::TextureView; 2] {
         [&self.levels[0], &self.normals]
     }

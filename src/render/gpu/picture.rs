@@ -1,4 +1,4 @@
-//! Records the passes of one picture.
+//! Records the passes of one image.
 
 use super::constants::{SOURCE_GROUP, VIEW_GROUP};
 use super::context::Context;
@@ -91,7 +91,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Clears the picture, and draws the gradient.
+    /// Clears the image, and draws the gradient.
     fn background(&mut self, plan: &Plan<'_>, background: Background) {
         let [red, green, blue] = background.top.map(|channel| f64::from(channel) / 255.0);
         let clear = wgpu::LoadOp::Clear(wgpu::Color {

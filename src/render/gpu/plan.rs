@@ -1,4 +1,4 @@
-//! The order of passes of one picture: the background, those of the primitive (`primitives/mod.rs`), and the steps over
+//! The order of passes of one image: the background, those of the primitive (`primitives/mod.rs`), and the steps over
 //! the whole image at the end.
 //!
 //! The shadow map comes first, if there is one. Where shading is deferred, the output of the primitive is lit, giving
@@ -36,7 +36,7 @@ pub(super) struct Plan<'a> {
     pub(super) precision: Precision,
 }
 
-/// Views that a picture can need: one for each pass over records, and the key light's.
+/// Views that an image can need: one for each pass over records, and the key light's.
 pub(super) const VIEWS: usize = 3;
 
 /// The place of the view of the key light among them.

@@ -7,7 +7,7 @@
 use std::io;
 use std::path::Path;
 
-/// Devices of cards whose drivers need no render node: NVIDIA's (containers may have any number), Windows' below Linux,
+/// Devices of GPUs whose drivers need no render node: NVIDIA's (containers may have any number), Windows' below Linux,
 /// AMD's for computing, and ARM's, Qualcomm's and NVIDIA's on small boards.
 const DEVICES: &[&str] = &["nvidiactl", "dxg", "kfd", "mali0", "kgsl-3d0", "nvhost-gpu"];
 

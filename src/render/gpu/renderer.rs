@@ -126,7 +126,7 @@ impl GpuRenderer {
         &self.context
     }
 
-    /// The picture as a texture of the last packet's size; `None` before the first packet.
+    /// The image as a texture of the last packet's size; `None` before the first packet.
     pub fn color_view(&self) -> Option<&wgpu::TextureView> {
         self.targets.as_ref().map(|targets| targets.picture().1)
     }
@@ -136,7 +136,7 @@ impl GpuRenderer {
         self.color_generation
     }
 
-    /// Waits for the last picture and returns its GPU time; `None` if the adapter cannot measure it.
+    /// Waits for the last image and returns its GPU time; `None` if the adapter cannot measure it.
     pub fn wait_gpu_ms(&mut self) -> Option<f64> {
         let context = Arc::clone(&self.context);
         // Without timestamps, the number of visible points still has to be waited for.
@@ -194,8 +194,8 @@ impl GpuRenderer {
         })
     }
 
-    /// Sets how many bytes of points and voxels stay on the GPU for pictures to come. Those of the image being drawn
-    /// stay regardless of the budget.
+    /// Sets how many bytes of points and voxels stay on the GPU for images to come. Those of the image being drawn stay
+    /// regardless of the budget.
     pub fn set_resident_budget_bytes(&mut self, budget_bytes: u64) {
         self.residency.set_budget_bytes(budget_bytes);
     }

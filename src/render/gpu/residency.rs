@@ -147,7 +147,7 @@ impl Residency {
         }
     }
 
-    /// Sets the number of bytes that stay; any excess is dropped when the next picture is prepared.
+    /// Sets the number of bytes that stay; any excess is dropped when the next image is prepared.
     pub(super) fn set_budget_bytes(&mut self, budget_bytes: u64) {
         self.budget_bytes = budget_bytes;
     }

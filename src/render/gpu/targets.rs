@@ -47,7 +47,7 @@ pub(in crate::render) enum Target {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::render) enum Source {
     Picture,
-    /// A copy of it, for passes that draw into the picture itself.
+    /// A copy of it, for passes that draw into the image itself.
     PictureCopy,
     /// Sums of colours, and depths.
     Sums,
@@ -150,7 +150,7 @@ impl Source {
 /// The place of the environment among the textures of surfaces.
 const ENVIRONMENT: usize = 5;
 
-/// Widths and heights of pictures.
+/// Widths and heights of images.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct SizesPx {
     pub(super) drawn: [u32; 2],
@@ -297,7 +297,7 @@ impl Targets {
         }
     }
 
-    /// Makes the texture of a copy of the picture unless it is there.
+    /// Makes the texture of a copy of the image unless it is there.
     pub(super) fn ensure_picture_copy(&mut self, context: &Context) {
         self.picture_copy.get_or_insert_with(|| {
             let usage = wgpu::TextureUsages::COPY_DST;

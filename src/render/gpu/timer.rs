@@ -1,7 +1,7 @@
-//! GPU time of a picture, by two timestamps for each of its passes: when it begins and when it ends.
+//! GPU time of an image, by two timestamps for each of its passes: when it begins and when it ends.
 //!
 //! Timestamps can be missing, zero or run backwards; then there is no time rather than a wrong one. The window never
-//! waits for them: a measurement that is still under way when the next picture starts is left alone.
+//! waits for them: a measurement that is still under way when the next image starts is left alone.
 
 use super::context::Context;
 use super::late_read::LateRead;
@@ -110,7 +110,7 @@ impl Timer {
         self.last
     }
 
-    /// Waits for the times of the last picture.
+    /// Waits for the times of the last image.
     pub(super) fn wait(&mut self, context: &Context) -> Option<GpuTimes> {
         context.wait().ok()?;
         self.collect(context);

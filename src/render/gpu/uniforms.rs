@@ -1,4 +1,4 @@
-//! The uniforms of the parts of one picture, in one buffer.
+//! The uniforms of the parts of one image, in one buffer.
 
 use super::context::Context;
 use super::passes::ScreenPass;

@@ -43,7 +43,7 @@ impl<'a> TruthKey<'a> {
         }
     }
 
-    /// Width and height of the picture.
+    /// Width and height of the image.
     pub fn size_px(&self) -> [u32; 2] {
         self.view.size_px
     }

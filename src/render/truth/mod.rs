@@ -31,7 +31,7 @@ use rays::{SampleGrid, TILE_PX, Visible};
 /// Samples along each edge of a pixel.
 const SAMPLES_PER_EDGE: u32 = 8;
 
-/// The true picture of a view.
+/// The true image of a view.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Truth {
     /// Display-referred, opaque.
@@ -44,17 +44,17 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// The true picture of the disks of a cloud.
+    /// The true image of the disks of a cloud.
     pub fn of_disks(disks: &Disks<'_>, view: &TruthView) -> Self {
         Self::of(&disks.seen_from(view), view)
     }
 
-    /// The true picture of a shape, with the tolerance of its depths.
+    /// The true image of a shape, with the tolerance of its depths.
     pub fn of_shape(shape: RayTraced, view: &TruthView, tolerance: f64) -> Self {
         Self::of(&shapes::Traced { shape, tolerance }, view)
     }
 
-    /// The true picture of triangles, with the tolerance of their depths.
+    /// The true image of triangles, with the tolerance of their depths.
     pub fn of_mesh(mesh: &TracedMesh, view: &TruthView, tolerance: f64) -> Self {
         Self::of(&mesh::ToleratedMesh { mesh, tolerance }, view)
     }

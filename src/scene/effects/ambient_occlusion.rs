@@ -7,8 +7,8 @@
 //!
 //! - a line at `[x, y]` is in the ball from `-t` to `t = sqrt(1 - x² - y²)`;
 //! - the tangent plane is at `g` there, so the line is in the half ball from `bottom = clamp(g, -t, t)` on;
-//! - the surface of the picture is at `h` there, so the line is filled from `bottom` to `clamp(h, bottom, t)`;
-//! - what stands far before the place hides it without being near: lines count less from `h = t + 1` on, and nothing
+//! - the surface of the image is at `h` there, so the line is filled from `bottom` to `clamp(h, bottom, t)`;
+//! - a surface far in front of the place hides it without being near: lines count less from `h = t + 1` on, and nothing
 //!   from `t + 2` on.
 //!
 //! The share of the light that is lost is `Σ filled / Σ (t - bottom)`. In a corner of two walls at right angles it is a
@@ -28,10 +28,10 @@ use crate::scene::style::OnOff;
 /// The usual radius of the ball, as a share of the cloud's.
 const RADIUS_OF_CLOUD: f32 = 0.2;
 
-/// The largest ball in a picture, as a share of its height.
+/// The largest ball in an image, as a share of its height.
 const MAX_RADIUS_OF_HEIGHT: f32 = 0.15;
 
-/// The largest ball in any picture: parts of large ones are drawn with this margin around them.
+/// The largest ball in any image: parts of large ones are drawn with this margin around them.
 const MAX_RADIUS_PX: f32 = 512.0;
 
 /// Ambient occlusion parameters of an image, in addition to depths and normals.

@@ -7,9 +7,9 @@
 //! - `ln d - ln d_n` is replaced by `d / d_n - 1`, which takes no logarithm. Steps end at [`MAX_STEP`], and up to
 //!   there both differ by 1.3 %. The bound leaves a little of the colour behind a silhouette, however far behind.
 //! - Neighbours are whole pixels, so their radius is rounded; steps are scaled to the requested radius. So a slope is
-//!   as dark in small pictures as in large ones.
-//! - Nothing stands before what has only background next to it. Where a surface ends there, its last pixels get
-//!   [`EDGE`]: all of it where three of eight neighbours are background, as along a straight border, and none from
+//!   as dark in small images as in large ones.
+//! - A pixel with only background next to it has nothing in front of it. Where a surface ends there, its last pixels
+//!   get [`EDGE`]: all of it where three of eight neighbours are background, as along a straight border, and none from
 //!   [`EyeDomeLight::LONE`] on, so that points of one or two pixels that stand alone keep their colours. Wider points
 //!   have borders of their own, so there are no edges where these are drawn.
 //!
@@ -20,7 +20,7 @@
 use crate::scene::style::{EyeDome, PointSizing};
 use crate::scene::{Primitive, ScenePacket};
 
-/// Distance of neighbours in a picture 720 pixels high.
+/// Distance of neighbours in an image 720 pixels high.
 const RADIUS_PX_AT_720: f32 = 1.4;
 
 /// Gain: the darkness of steps.

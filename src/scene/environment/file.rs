@@ -38,7 +38,7 @@ pub enum EnvironmentError {
         /// Why not.
         source: ImageError,
     },
-    /// A picture without pixels.
+    /// An image without pixels.
     #[error("the environment {} has no pixels", path.display())]
     Empty {
         /// Path of the file.
@@ -46,7 +46,7 @@ pub enum EnvironmentError {
     },
 }
 
-/// A picture in a file that lights the scene.
+/// An image in a file that lights the scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct EnvironmentFile(usize);
 
@@ -199,7 +199,7 @@ mod tests {
     use super::*;
     use image::{Rgb, RgbImage};
 
-    /// A picture whose halves have the colours of the six directions of its centre, edges and poles.
+    /// An image whose halves have the colours of the six directions of its centre, edges and poles.
     fn picture() -> RgbImage {
         RgbImage::from_fn(64, 32, |x, y| match (x, y) {
             (_, 0..4) => Rgb([0, 0, 255]),

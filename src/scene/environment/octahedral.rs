@@ -1,6 +1,6 @@
 //! A map of all directions: the sphere unfolded from an octahedron onto a square (Praun and Hoppe 2003).
 //!
-//! Texels are about equally large everywhere, and between any two there is a straight way: so colours are blended
+//! Texels are about equally large everywhere, and between any two there is a straight path: so colours are blended
 //! between four texels of one square, by the same few operations in both renderers. Around the square is a border of
 //! one texel, which repeats the texels beyond the edge on the sphere: no test for the edge is needed.
 //!

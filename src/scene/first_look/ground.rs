@@ -3,7 +3,7 @@
 //! **How it works.** Each rule looks at one thing that surveying or a camera makes:
 //!
 //! - *Map coordinates.* Eastings and northings are large numbers, elevations are not.
-//! - *Undersides alone.* What faces down is seldom all that was scanned: a camera that looks along +Z saw it.
+//! - *Undersides alone.* A scan seldom has only surfaces facing down: a camera that looks along +Z saw it.
 
 use super::sample::CloudSample;
 use super::up::{Up, along};

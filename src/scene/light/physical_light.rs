@@ -5,7 +5,7 @@
 //!
 //! - one bounce is D·V·F: the distribution of GGX, the height-correlated visibility of Smith (Heitz 2014), and Schlick
 //!   1994;
-//! - further bounces, and what is scattered below, are products of losses at both angles (`albedo_curve.rs`).
+//! - further bounces, and the light scattered below, are products of losses at both angles (`albedo_curve.rs`).
 //!
 //! So a white surface in white light from all sides is white, whatever its material: no energy is lost or created. For
 //! the environment, one bounce is the split sum of Karis 2013, and the rest is a matt surface's.

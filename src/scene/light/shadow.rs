@@ -12,9 +12,8 @@
 //!
 //! - splats are pushed away from the lamp by their radius, as in the visibility pass, so that disks of one surface
 //!   count as one; cells by twice the distance from their centre to a corner, since their faces are steps;
-//! - positions are moved along their normal by [`Shadow::OFFSET_TEXELS`]: what a plane at a slope rises between a
-//!   position
-//!   and the texels around it that are looked up.
+//! - positions are moved along their normal by [`Shadow::OFFSET_TEXELS`]: the rise of a sloping plane between a
+//!   position and the texels around it that are looked up.
 //!
 //! The map depends on the cloud and on the direction of the lamp in it: zooming and panning leave it unchanged.
 
@@ -24,7 +23,7 @@ use crate::scene::view::camera::TELEPHOTO_FOCAL;
 use crate::scene::{Lights, ScenePacket, ViewTransform};
 use glam::{DVec3, Mat3, Vec4};
 
-/// Radius of what the map shows, as a share of the cloud's: splats at its border reach beyond it.
+/// Radius covered by the map, as a share of the cloud's: splats at its border reach beyond it.
 const SHOWN_OF_RADIUS: f32 = 1.05;
 
 /// The depth map of the key light.

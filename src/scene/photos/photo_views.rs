@@ -121,7 +121,7 @@ pub fn seen_by_photo(packet: &ScenePacket, posed_image: &PosedImage) -> Option<S
     let view = view_of(posed_image, shown.origin, packet, viewport_px);
     let mut seen = packet.for_depths(view, viewport_px);
     // The whole surface, not the nodes selected for the rendered image: these change with the view, and do not cover
-    // what is outside it.
+    // the surface outside it.
     seen.content = Content::Surfels(surface);
     seen.style.primitive = Primitive::Surfel;
     Some(seen)

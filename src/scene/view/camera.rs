@@ -20,7 +20,7 @@ choices! {
     }
 }
 
-/// The direction that is up in the picture.
+/// The direction that is up in the image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum UpAxis {
     /// +X.
@@ -227,9 +227,9 @@ impl Camera {
     /// Moves so that `points` (relative to `origin`) just fit into an image whose width is `aspect` of its height,
     /// keeping the direction. Precondition: finite points and a positive aspect.
     ///
-    /// How it works: each side of the picture is a plane through the eye, and all points are to be on its inner side.
-    /// The left and right sides determine the minimum distance of the eye and its position across the view; so do the
-    /// upper and lower ones.
+    /// How it works: each side of the image is a plane through the eye, and all points are to be on its inner side. The
+    /// left and right sides determine the minimum distance of the eye and its position across the view; so do the upper
+    /// and lower ones.
     pub fn frame_points(&mut self, points: &[Vec3], origin: DVec3, aspect: f64) {
         let bounds = Aabb::from_points(points);
         if bounds.is_empty() || bounds.radius() == 0.0 {

@@ -94,7 +94,7 @@ impl ScreenSurfels {
         }
     }
 
-    /// Another picture was made, without them.
+    /// Another image was made, without them.
     pub(in crate::scene) fn forget(&mut self) {
         self.last = None;
     }

@@ -193,7 +193,7 @@ impl Cache {
         byte_size(entry.full.as_ref()) + entry.reserved_bytes.unwrap_or(0)
     }
 
-    /// Returns the number of bytes that frame `index` is expected to take in `detail` beyond what it holds; `None`
+    /// Returns the number of bytes that frame `index` is expected to take in `detail` beyond its present size; `None`
     /// while no frame was prepared for the present needs.
     pub(super) fn bytes_to_add(&self, index: usize, detail: Detail) -> Option<usize> {
         let entry = &self.entries[index];
@@ -272,7 +272,7 @@ impl Cache {
         }
     }
 
-    /// A worker starts on frame `index` and will need `bytes` beyond what the frame holds.
+    /// A worker starts on frame `index` and will need `bytes` beyond the frame's present size.
     pub(super) fn reserve(&mut self, index: usize, bytes: usize) {
         let entry = &mut self.entries[index];
         match entry.reserved_bytes.replace(bytes) {
@@ -311,8 +311,8 @@ impl Cache {
         entry.is_some_and(|entry| entry.settled == Some(self.needs_epoch))
     }
 
-    /// Inserts a prepared frame into the cache, replacing the previous one of its kind. One that lacks what is
-    /// requested gives no information about sizes.
+    /// Inserts a prepared frame into the cache, replacing the previous one of its kind. One that lacks requested parts
+    /// gives no information about sizes.
     pub(super) fn insert(&mut self, prepared: Arc<PreparedFrame>, is_complete: bool) {
         let index = prepared.index;
         let bytes = prepared.byte_size();

@@ -40,7 +40,8 @@ pub enum Slot {
     Ready(Arc<PreparedFrame>),
     /// Here with everything needed, but of fewer points than its file has: an image that may be shown instead.
     Coarse(Arc<PreparedFrame>),
-    /// A large frame on its way: some of its points, or all of them without estimates. To be shown as points meanwhile.
+    /// A large frame being loaded: some of its points, or all of them without estimates. To be shown as points
+    /// meanwhile.
     Partial(Arc<PreparedFrame>),
     /// Here for older needs: an image to show meanwhile.
     Stale(Arc<PreparedFrame>),

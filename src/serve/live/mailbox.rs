@@ -1,8 +1,8 @@
 //! Mailbox of messages to send to one client: two frames at most, and answers.
 //!
 //! A frame that arrives while two wait replaces the oldest: the newest wins. So that frames do not queue in the buffers
-//! of the network instead, which hold seconds of small ones, no more than two are in flight: a client reports what it
-//! has received ([`crate::wire::Got`]). One that never does so is sent as much as the network takes. A client whose
+//! of the network instead, which hold seconds of small ones, no more than two are in flight: a client acknowledges
+//! received frames ([`crate::wire::Got`]). One that never does so is sent as much as the network takes. A client whose
 //! answers take longer than two frames last gets two frames in that time.
 
 use super::outgoing::Outgoing;

@@ -6,7 +6,7 @@
 //! Cost: the names are sorted, O(n log n); no file is opened except those that may hold many frames, whose list of
 //! contents is read, and lists of times and poses.
 //!
-//! **What counts.** From a folder come files with an extension that a decoder knows, in any case, hidden ones skipped;
+//! **Selection.** From a folder come files with an extension that a decoder knows, in any case, hidden ones skipped;
 //! from its sub-folders if it has none itself (`folder.rs`). A pattern is read the same way, unless nothing it matches
 //! has a known extension: then those files are meant. A file named outright is always taken; its first bytes decide.
 //! Normals in a file next to their points belong to these, and any other file in a folder that shares its number with a
@@ -257,7 +257,7 @@ impl Discovered {
         skipped.retain(|file| !used.contains(file));
         self.notes.extend(times.notes);
         self.notes.extend(poses.notes);
-        // What was already reported about a list is not repeated.
+        // Earlier reports about a list are not repeated.
         skipped.retain(|file| {
             let name = file.display().to_string();
             !self.notes.iter().any(|note| note.starts_with(&name))

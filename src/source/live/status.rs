@@ -16,8 +16,8 @@ pub trait Live: Send + Sync {
     /// Sets the view. A stream that was opened for visible points is sent these from then on; others ignore it.
     fn look_from(&self, view: View);
 
-    /// Writes what arrives from now on to a new file at `path`, which replaces another one there. An earlier recording
-    /// is finished.
+    /// Writes messages that arrive from now on to a new file at `path`, which replaces another one there. An earlier
+    /// recording is finished.
     ///
     /// # Errors
     /// Why the file cannot be written, in a sentence.

@@ -50,7 +50,7 @@ impl Projected<'_> {
         });
     }
 
-    /// The pixels of a row that are closed, with their places in the picture.
+    /// The pixels of a row that are closed, with their places in the image.
     #[inline(always)]
     fn closed_of_row<S: Simd>(
         &self,
@@ -117,7 +117,7 @@ fn is_solid(pixel: [u8; 4]) -> bool {
 }
 
 impl Drawn<'_> {
-    /// The specks of a row, no wider than `widest`, with their places in the picture.
+    /// The specks of a row, no wider than `widest`, with their places in the image.
     fn specks_of_row(&self, background: [f32; 3], y: i32, widest: i32) -> Vec<(usize, [u8; 4])> {
         let mut specks = Vec::new();
         for x in 0..self.size[0] {

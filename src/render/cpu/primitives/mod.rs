@@ -25,7 +25,7 @@ pub(super) enum Drawable<'a> {
     Cubes(Cubes<'a>),
     Mesh(Mesh<'a>),
     Coded(Coded<'a>),
-    /// The frame lacks what the primitive needs.
+    /// The frame lacks data that the primitive needs.
     Nothing,
 }
 

@@ -1,5 +1,5 @@
-//! Ambient occlusion on the processor (`shaders/effects/ambient_occlusion.wgsl`): of eight pixels of a row at a time.
-//! The formula: `scene/effects/ambient_occlusion.rs`.
+//! Ambient occlusion on the CPU (`shaders/effects/ambient_occlusion.wgsl`): of eight pixels of a row at a time. The
+//! formula: `scene/effects/ambient_occlusion.rs`.
 //!
 //! Depths are drawn before all else: a tile is lit when it is drawn, and needs the depths of its neighbours.
 
@@ -100,7 +100,7 @@ impl<'a> Occlusion<'a> {
         f32x8::from_slice(simd, &eight)
     }
 
-    /// Depths of pixels of the picture.
+    /// Depths of pixels of the image.
     #[inline(always)]
     fn at<S: Simd>(&self, simd: S, columns: f32x8<S>, rows: f32x8<S>) -> f32x8<S> {
         let [columns, rows] = [simd.cvt_i32_f32x8(columns), simd.cvt_i32_f32x8(rows)];

@@ -44,7 +44,7 @@ impl RowStep for Shading {
     }
 }
 
-/// A row of a picture, and those around it.
+/// A row of an image, and those around it.
 struct EyeDome<'a> {
     light: &'a EyeDomeLight,
     row: &'a [f32],

@@ -18,7 +18,7 @@ use glam::Vec3;
 use image::RgbaImage;
 use rayon::prelude::*;
 
-/// The picture that was drawn.
+/// The drawn image.
 struct AliasedPicture<'a> {
     pixels: &'a [[u8; 4]],
     lumas: &'a [f32],

@@ -1,4 +1,4 @@
-//! The grid on the ground on the processor (`shaders/effects/grid.wgsl`): eight pixels of a row at a time.
+//! The grid on the ground on the CPU (`shaders/effects/grid.wgsl`): eight pixels of a row at a time.
 
 use crate::render::constants::{COARSE_LINES, FINE_LINES, NARROWEST_CELL_PX, USUAL_LINES, WIDEST_CELL_PX};
 use crate::render::cpu::eight::{Vectors, lane_numbers};
@@ -49,7 +49,7 @@ impl Grid {
         }
     }
 
-    /// Lays lines over a row of the picture, where nothing is in front of them.
+    /// Lays lines over a row of the image, where nothing is in front of them.
     #[inline(always)]
     fn draw_row<S: Simd>(&self, simd: S, y: usize, depths: &[f32], pixels: &mut [[u8; 4]]) {
         let [line_red, line_green, line_blue] = self.ground.color;

@@ -10,7 +10,7 @@ use crate::render::gpu::wgsl::shader_file;
 use crate::scene::ScenePacket;
 use bytemuck::Zeroable;
 
-/// Lines on the ground, laid over the picture where nothing is in front of them.
+/// Lines on the ground, laid over the image where nothing is in front of them.
 pub(super) const PASS: ScreenPass = ScreenPass {
     name: "grid",
     files: &[shader_file!("effects/grid.wgsl")],

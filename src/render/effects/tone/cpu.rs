@@ -1,4 +1,4 @@
-//! The tone curve on the processor (`shaders/effects/tone.wgsl`): a table of bytes.
+//! The tone curve on the CPU (`shaders/effects/tone.wgsl`): a table of bytes.
 
 use crate::render::effects::effect::{PictureRow, RowStep};
 use crate::scene::ScenePacket;

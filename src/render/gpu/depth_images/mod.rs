@@ -57,7 +57,7 @@ struct Cached {
     filters: Filters,
 }
 
-/// Points on the card.
+/// Points on the GPU.
 #[derive(Debug)]
 pub(super) struct MadePoints {
     pub(super) buffer: wgpu::Buffer,

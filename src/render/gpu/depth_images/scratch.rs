@@ -112,7 +112,7 @@ impl Tables {
     }
 }
 
-/// The samples of an image on the card.
+/// The samples of an image on the GPU.
 pub(super) fn uploaded_samples(context: &Context, samples: &DepthSamples) -> wgpu::Buffer {
     match samples {
         // Raw values in any encoding: a table of 2¹⁶ entries has exactly the metres of the CPU, and five bytes per

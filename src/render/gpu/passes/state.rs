@@ -170,7 +170,7 @@ pub(in crate::render) const COMPLETED: wgpu::BlendState = {
     }
 };
 
-/// The fourth channel stays: the picture's opacity, or the sum of weights.
+/// The fourth channel stays: the image's opacity, or the sum of weights.
 const CACHED: wgpu::BlendComponent = wgpu::BlendComponent {
     src_factor: wgpu::BlendFactor::Zero,
     dst_factor: wgpu::BlendFactor::One,

@@ -15,7 +15,7 @@ pub(super) type Passes = &'static [&'static GeometryPass];
 #[derive(Debug)]
 pub(in crate::render::gpu) struct Drawable<'a> {
     pub(in crate::render::gpu) amplification: &'static Amplification,
-    /// In the order of their bind groups; none if the frame lacks what the primitive needs.
+    /// In the order of their bind groups; none if the frame lacks data that the primitive needs.
     pub(in crate::render::gpu) streams: Vec<RecordSource<'a>>,
     /// Selection of the nodes to draw, if the streams hold all nodes of a structure.
     pub(in crate::render::gpu) selection: Option<&'a Arc<Selection>>,

@@ -57,7 +57,7 @@ struct OnCard {
 }
 
 impl CardMatcher {
-    /// By the card of this context. Its programs are made when the first pair is matched.
+    /// By the GPU of this context. Its programs are made when the first pair is matched.
     pub fn new(context: Arc<Context>) -> Self {
         Self {
             context,
@@ -76,7 +76,7 @@ impl CardMatcher {
         }
     }
 
-    /// Disparities of a pair without specks taken out; `None` where it is none for the card.
+    /// Disparities of a pair without specks taken out; `None` where it is none for the GPU.
     fn on_card(
         &self,
         matching: &Matching,
@@ -122,7 +122,7 @@ impl PairMatcher for CardMatcher {
     }
 }
 
-/// A pair that the card can match.
+/// A pair that the GPU can match.
 #[derive(Debug)]
 struct Job<'a> {
     images: [&'a GrayImage; 2],

@@ -249,7 +249,7 @@ fn sums_over_squares(costs: &[u32], size: [u32; 2], count: usize, radius: i64) -
     sums
 }
 
-/// The sums of all labels on the card.
+/// The sums of all labels on the GPU.
 fn sums_on_card(matching: &Matching, images: [&GrayImage; 2], range: DisparityRange) -> Vec<u32> {
     let context = &*CONTEXT;
     let job = Job::of(context, matching, images, range).unwrap();

@@ -228,7 +228,7 @@ fn unwrapped(keyframes: &[Keyframe], angle_deg: fn(&Camera) -> f64) -> Vec<f64> 
     let mut last = angle_deg(&keyframes[0].camera);
     let angle = |key: &Keyframe| {
         let step = angle_deg(&key.camera) - last;
-        // Up to half a turn goes the way it is written.
+        // Up to half a turn follows the written direction.
         let is_short = step.abs() <= 180.0;
         last += if is_short { step } else { wrapped(step) };
         last

@@ -17,7 +17,7 @@ const CLASS_LEVEL: u32 = 4;
 /// Classes: without orientation, half of the octahedron.
 const CLASSES: usize = 4 << (2 * CLASS_LEVEL);
 
-/// Sectors of the picture along each axis.
+/// Sectors of the image along each axis.
 const SECTORS: usize = 4;
 
 /// The class of a normal in view space, of any orientation.
@@ -112,7 +112,7 @@ mod tests {
         }
     }
 
-    /// Facing the eye in the corner of the picture: a circle across the ray, which the image plane cuts as an ellipse
+    /// Facing the eye in the corner of the image: a circle across the ray, which the image plane cuts as an ellipse
     /// that is longer outwards, by the ray's length.
     #[test]
     fn off_center_disks_are_stretched_outwards() {

@@ -100,7 +100,7 @@ impl DrawnRecords for Surfels<'_> {
         }
     }
 
-    /// All passes over a tile but the last, over the picture.
+    /// All passes over a tile but the last, over the image.
     #[inline(always)]
     fn draw<S: Simd>(
         &self,

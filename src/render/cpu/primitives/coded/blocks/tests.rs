@@ -35,7 +35,7 @@ fn from_eye(traversal: &Traversal<'_>, level: u32, cell: [u32; 3]) -> DVec3 {
     view.rotation().as_dmat3() * (center.as_dvec3() - eye[0] - eye[1])
 }
 
-/// Returns true if a box in view space is beyond the near plane, or beyond a side of the picture by some pixels.
+/// Returns true if a box in view space is beyond the near plane, or beyond a side of the image by some pixels.
 fn is_outside(view: &PixelView, center: DVec3, half: DVec3) -> bool {
     /// Splats count as two pixels wider, and pixels are whole.
     const MARGIN_PX: f64 = 4.0;
@@ -84,7 +84,7 @@ prop_compose! {
 }
 
 proptest! {
-    /// Every node that is in the picture and faces the eye, by its own centre and normal alone, is in a block.
+    /// Every node that is in the image and faces the eye, by its own centre and normal alone, is in a block.
     #[test]
     fn nothing_visible_is_skipped(packet in any_packet(3.0)) {
         traversed(&packet, |traversal, blocks| {
@@ -114,7 +114,7 @@ proptest! {
         })?;
     }
 
-    /// No block is beyond a side of the picture, or behind the eye, with all that its splats may reach.
+    /// No block is beyond a side of the image, or behind the eye, with all that its splats may reach.
     #[test]
     fn blocks_certainly_outside_the_view_are_skipped(packet in any_packet(3.0)) {
         traversed(&packet, |traversal, blocks| {
