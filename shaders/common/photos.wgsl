@@ -45,7 +45,7 @@ fn seen_there(photo: u32, at: InPhoto) -> u32 {
     let map = photo_entry(photo, 7u);
     let texel = min(vec2u(at.texel / size * map.xy), vec2u(map.xy) - 1u);
     let there = textureLoad(photo_depths, texel, photo, 0).r;
-    // Without a depth nothing is known.
+    // Without a depth the relation is unknown.
     if (there == 0.0) {
         return 0u;
     }

@@ -8,7 +8,7 @@ use image::RgbaImage;
 pub struct PixelDifference {
     /// Pixels of each image.
     pub pixel_count: u64,
-    /// Those that differ.
+    /// Number of differing pixels.
     pub different_count: u64,
     /// The largest difference of a channel, 0 to 255.
     pub largest: u8,

@@ -69,7 +69,7 @@ pub enum SurfaceMismatch {
 pub struct SurfaceError {
     /// Pixels of each image.
     pub pixel_count: u64,
-    /// Those that show a surface in the truth.
+    /// Pixels that show a surface in the truth.
     pub surface_count: u64,
     /// Number of surface pixels that show the background in the test (holes).
     pub hole_count: u64,
@@ -119,17 +119,17 @@ impl SurfaceError {
         Ok(error)
     }
 
-    /// Part of the true surface that is missing, 0 to 1; 0 where there is none.
+    /// Part of the true surface that is missing, 0 to 1; 0 if there is none.
     pub fn hole_share(&self) -> f64 {
         share(self.hole_count, self.surface_count)
     }
 
-    /// Part of the true surface that another one stands for, 0 to 1; 0 where there is none.
+    /// Part of the true surface that is replaced by another one, 0 to 1; 0 if there is none.
     pub fn wrong_surface_share(&self) -> f64 {
         share(self.wrong_surface_count, self.surface_count)
     }
 
-    /// Part of the true background that is covered, 0 to 1; 0 where there is none.
+    /// Part of the true background that is covered, 0 to 1; 0 if there is none.
     pub fn extra_share(&self) -> f64 {
         share(self.extra_count, self.pixel_count - self.surface_count)
     }

@@ -1,6 +1,6 @@
 //! The allocator that ends the program with a sentence where memory is refused.
 //!
-//! **How it works.** A refused allocation is met by two kinds of callers. One asked for a size that a file claims, and
+//! **How it works.** A refused allocation is met by two kinds of callers. One requested a size that a file claims, and
 //! turns the refusal into an error of that file ([`try_reserve`]). All others cannot continue: Rust's own ending is a
 //! signal, which a shell reports as a crash, so the program ends here, with the exit code of any other failure.
 

@@ -12,7 +12,7 @@ pub(crate) use allocator::{before_the_end, try_reserve};
 use std::ffi::c_long;
 
 /// Retention time of freed memory, in milliseconds, before the allocator gives it back to the system, which it does
-/// when it next has something to do. One second, the default, preserves the memory that the next frames need.
+/// when it next has something to do. One second, the default, gives back memory that the next frames need.
 // The system's allocator returns memory to the system: 350 page faults per octree, 1 to 4 ms, where an octree takes 3
 // ms. With one second, the default, 70 pages per frame were returned and faulted in again.
 const RETAINED_MS: c_long = 10_000;

@@ -71,7 +71,7 @@ pub(crate) fn write_whole_with(
     Ok(())
 }
 
-/// [`write_whole`], or into the pipe or device that somebody has named.
+/// [`write_whole`], or into a pipe or device named by the user.
 pub(crate) fn write_to(file: &Path, bytes: &[u8]) -> std::io::Result<()> {
     if is_pipe_or_device(file) {
         fs::write(file, bytes)
@@ -93,7 +93,7 @@ pub(crate) struct Partial {
 }
 
 impl Partial {
-    /// Names the hidden file that is to become `file`; somebody else creates it.
+    /// Names the hidden file that is to become `file`; the caller creates it.
     pub(crate) fn of(file: &Path) -> Self {
         /// Two threads may write the same file.
         static COUNT: AtomicU64 = AtomicU64::new(0);

@@ -72,8 +72,8 @@ pub(crate) fn update_as(
 }
 
 /// Keeps other processes from an [`update`] of the files in the folder of `file` until the answer is dropped; `None`
-/// where folders cannot be locked, or somebody holds one for too long: then the time between reading and writing is
-/// short.
+/// where folders cannot be locked, or another process holds one for too long: then the time between reading and writing
+/// is short.
 fn exclusive(file: &Path) -> Option<File> {
     let folder = File::open(file.parent()?).ok()?;
     for _ in 0..PATIENCE.as_millis() / LOOK_INTERVAL.as_millis() {

@@ -41,8 +41,8 @@ pub enum DepthKind {
 }
 
 impl DepthFile {
-    /// Depths along the axis of the camera that took them, in the unit of the world regardless of `metres`; 0 where
-    /// there is none.
+    /// Depths along the axis of the camera that took them, in the unit of the world regardless of `metres`; 0 if there
+    /// is none.
     ///
     /// # Errors
     /// An error if the file cannot be read, or has another shape.

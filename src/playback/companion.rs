@@ -196,7 +196,7 @@ impl Companion {
         }
     }
 
-    /// Shows the frame that [`Companion::prepare`] has asked for, if it is here. The previous frame stays until then.
+    /// Shows the frame that [`Companion::prepare`] has requested, if it is here. The previous frame stays until then.
     pub fn show(&mut self, style: &Style) -> PlayerChange {
         let mut change = PlayerChange::default();
         let before = self.shown.as_ref().map(Arc::as_ptr);

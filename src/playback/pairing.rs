@@ -22,7 +22,7 @@ pub enum PairBy {
     Index,
     /// The numbers in their names.
     Number,
-    /// When they were taken.
+    /// Capture times.
     Time,
 }
 
@@ -86,7 +86,7 @@ impl PairNumbers {
     }
 }
 
-/// When the frames of A and of B were taken.
+/// Capture times of the frames of A and of B.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PairTimes {
     a_secs: Vec<f64>,

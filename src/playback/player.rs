@@ -126,7 +126,7 @@ impl Player {
         &self.clock
     }
 
-    /// When `frame` was taken, seconds after the first one: as their time stamps say, else as they play at speed 1.
+    /// Capture time of `frame`, seconds after the first one: from their time stamps, else from playing at speed 1.
     /// Precondition: the sequence has this frame.
     pub fn time_s(&self, frame: usize) -> f64 {
         let time = |frame| self.sequence.entry(frame).time;
@@ -324,7 +324,7 @@ impl Player {
         self.loader.set_range(range);
     }
 
-    /// When `update` has something to do by itself; `None` if only the loader can bring it.
+    /// Time at which `update` has something to do by itself; `None` if only the loader can bring it.
     pub fn next_deadline(&self) -> Option<Duration> {
         self.clock.next_deadline()
     }

@@ -9,7 +9,7 @@ pub(super) const MAGIC: &[u8] = b"PCLZF";
 /// Bytes before the packed ones.
 const HEADER_BYTES: usize = 37;
 
-/// The most that LZF can reach: 264 bytes out of three.
+/// The maximum ratio of LZF: 264 bytes out of three.
 const MAX_LZF_RATIO: u64 = 88;
 
 /// Header before the compressed bytes of a PCL image.

@@ -2,7 +2,7 @@
 
 use crate::memory::mebibytes;
 
-/// Most pixels along an edge.
+/// Maximum pixels along an edge.
 pub(super) const MAX_EDGE_PX: u32 = 1 << 15;
 
 /// Memory of a pixel of depth until it is a point: its number, its depth before and after filters, its ray, place,

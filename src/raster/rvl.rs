@@ -41,7 +41,7 @@ pub(crate) fn decode(bytes: &[u8], max_bytes: u64) -> Result<Raster, String> {
 }
 
 struct Nibbles<'a> {
-    /// Those that were not begun.
+    /// Words not yet begun.
     words: &'a [[u8; 4]],
     word: u32,
     /// Nibbles of it that were not read.

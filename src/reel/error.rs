@@ -83,7 +83,7 @@ pub enum ReelError {
     NoFrame {
         /// The file.
         path: PathBuf,
-        /// The frame asked for.
+        /// The requested frame.
         index: usize,
         /// Frames that there are.
         count: usize,
@@ -117,7 +117,7 @@ pub enum ReelError {
     Cloud {
         /// The frame's name.
         name: String,
-        /// Why.
+        /// The reason.
         problem: String,
     },
 }

@@ -45,7 +45,7 @@ pub struct ReelOptions {
     /// True if frames without normals get those that a viewer would estimate, at [`Precision::SamplingDensity`]: from
     /// the centres of cells no viewer could estimate them as well, and points are moved back along them.
     pub estimates_normals: bool,
-    /// Most that a channel of a colour may be off by, on every level; 0 is lossless.
+    /// Maximum error of a colour channel, on every level; 0 is lossless.
     pub color_error: u8,
     /// Bits of a scalar, 2 to 16, between its smallest and its largest value in a group; or 0 for unchanged numbers,
     /// where points are stored individually (16 elsewhere). Radii are within 2.2 %, or unchanged.

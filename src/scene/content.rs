@@ -49,7 +49,7 @@ pub struct Selected {
 }
 
 impl Selected {
-    /// Those that are drawn, side by side.
+    /// The drawn surfels, contiguously.
     pub fn gathered(&self) -> Surfels {
         let (points, shapes) = self.selection.gathered(&self.nodes, Vec::new(), Vec::new());
         Surfels {

@@ -7,7 +7,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Why one frame cannot be shown. The sequence plays on without it.
+/// Reasons why one frame cannot be shown. The sequence plays on without it.
 #[derive(Debug, Clone, thiserror::Error)]
 #[non_exhaustive]
 pub enum FrameError {
@@ -79,7 +79,7 @@ pub enum FrameError {
     /// An index beyond the end.
     #[error("frame {index} does not exist: the sequence has {count} frames, and indices count from 0")]
     NoSuchFrame {
-        /// The index asked for.
+        /// The requested index.
         index: usize,
         /// Number of frames.
         count: usize,

@@ -211,7 +211,7 @@ impl Sequence {
     }
 
     /// Takes the origin of `other` where f32 from there keep the detail, so that the same coordinates of both files
-    /// become the same f32. To be said before the origin is asked for; later it changes nothing.
+    /// become the same f32. To be set before the origin is requested; later it changes nothing.
     pub fn share_origin_with(self: &Arc<Self>, other: &Arc<Self>) {
         if !Arc::ptr_eq(self, other) {
             self.origin.share(Arc::clone(other) as Arc<dyn OriginFrames>);
@@ -325,7 +325,7 @@ impl Sequence {
         changed
     }
 
-    /// That the reading of frame `index` was cancelled.
+    /// The error that the reading of frame `index` was cancelled.
     pub(crate) fn cancelled(&self, index: usize) -> FrameError {
         let path = self.entry(index).path.clone();
         FrameError::Cancelled { index, path }

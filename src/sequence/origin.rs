@@ -31,7 +31,7 @@ const FAR_IN_EXTENTS: f64 = 4.0;
 /// cloud has the same f32 as the whole.
 const FAR_COMPANION_IN_EXTENTS: f64 = 64.0;
 
-/// A decoded frame with its time in milliseconds, or why there is none.
+/// A decoded frame with its time in milliseconds, or the reason why there is none.
 type Cached = Result<(RawCloud, f32), FrameError>;
 
 /// Provenance of an origin: how it was decided.
@@ -68,7 +68,7 @@ pub(super) struct OriginFinder {
     /// Held by the deciding thread, with the number of cancellations.
     deciding: Mutex<()>,
     given_up: AtomicUsize,
-    /// Whose origin is taken if it can be.
+    /// The sequence whose origin is taken if possible.
     companion: OnceLock<Arc<dyn OriginFrames>>,
     cached: Mutex<BTreeMap<usize, Cached>>,
     /// Points of the frame that decided it.

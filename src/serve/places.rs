@@ -38,7 +38,7 @@ struct Held {
     /// To hang up.
     stream: Arc<TcpStream>,
     since: Instant,
-    /// When it took something last.
+    /// Time when it last took data.
     last: Instant,
     /// Bytes of the answer that were sent since then; `None` while it waits for a request.
     sent_bytes: Option<u64>,
@@ -94,7 +94,7 @@ impl Places {
         lock(&self.taken).places.len()
     }
 
-    /// Hangs up on one who holds a place for nothing, if anybody does: descriptors are used up.
+    /// Hangs up on an unused connection, if there is one: descriptors are used up.
     pub(super) fn free_one(&self) {
         lock(&self.taken).give_way(self.stuck);
     }

@@ -17,7 +17,7 @@ pub(super) struct SteadyWriter<'a> {
 }
 
 impl<'a> SteadyWriter<'a> {
-    /// The least rate counts from now on.
+    /// Creates the output; the minimum rate counts from now on.
     pub(super) fn new(stream: &'a TcpStream, min: MinRate) -> Self {
         Self {
             stream,

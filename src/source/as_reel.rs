@@ -9,7 +9,7 @@ use crate::wire::RawImages;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Frames of another source, each encoded and decoded by itself whenever it is asked for.
+/// Frames of another source, each encoded and decoded by itself on every request.
 pub struct AsReel {
     source: Arc<dyn Source>,
     options: ReelOptions,

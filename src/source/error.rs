@@ -32,7 +32,7 @@ fn listed(choices: &[OpeningChoice]) -> String {
     lines
 }
 
-/// Why a sequence cannot be opened.
+/// Reasons why a sequence cannot be opened.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SequenceError {

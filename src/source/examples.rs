@@ -67,7 +67,7 @@ impl Example {
         }
     }
 
-    /// Whose it is.
+    /// The credit line.
     pub fn credit(self) -> &'static str {
         match self {
             Self::Lidar => "Next to Autzen Stadium, from laspy (BSD-2-Clause, © Grant Brown and others)",

@@ -78,8 +78,7 @@ pub(super) fn open_one_below(asked: Asked<'_>) -> Result<Option<Arc<dyn Source>>
     }
 }
 
-/// Opens the one sub-folder of `input` that can be opened; `None` if `input` has frames of its own, or nothing is known
-/// of it.
+/// Opens the one sub-folder of `input` that can be opened; `None` if `input` has frames of its own, or it is unknown.
 ///
 /// # Errors
 /// If several could be opened, if the one cannot, or if the folder holds images that are not read.

@@ -25,7 +25,7 @@ pub struct Reel {
     notes: Vec<String>,
     /// Held while checking for more frames.
     looking: Mutex<()>,
-    /// It is in the program.
+    /// True if it is embedded in the program.
     is_embedded: bool,
 }
 
@@ -36,7 +36,7 @@ struct Shared {
     max_memory_bytes: u64,
 }
 
-/// The file as it was when somebody looked at it last.
+/// The file at the last check.
 #[derive(Debug)]
 struct Opened {
     file: Arc<ReelFile>,

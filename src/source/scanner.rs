@@ -41,7 +41,7 @@ const RING_BYTES: usize = 512 << 20;
 /// A datagram has no more.
 const MAX_DATAGRAM_BYTES: usize = 1 << 16;
 
-/// Between looks at whether anybody listens still.
+/// Interval of checks for remaining listeners.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// LiDAR sensor on the network.
@@ -71,7 +71,7 @@ struct Turns {
     byte_size: usize,
     /// Turns that have come.
     count: usize,
-    /// Why some packets cannot be read, or why there will be no more.
+    /// The reason why some packets cannot be read, or why there will be no more.
     problem: Option<String>,
     /// Datagrams that have come, and the last of them.
     datagrams: u64,

@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// Points of a shape when their number is not given.
 const USUAL_POINTS: usize = 100_000;
 
-/// Most points that a shape can be asked for.
+/// Maximum number of points of a shape.
 const MAX_POINTS: usize = 50_000_000;
 
 /// One frame of a shape: `torus:` or `torus:20000`.

@@ -80,7 +80,7 @@ impl Spin {
         }
     }
 
-    /// When a frame comes, since the first.
+    /// Time at which a frame comes, since the first.
     fn time_of(index: usize) -> Duration {
         Duration::from_secs_f64(index as f64 / RATE)
     }

@@ -45,7 +45,7 @@ pub struct DecodedFrame {
 pub struct DecodedLevel {
     /// Points of the whole frame.
     pub points_in_frame: usize,
-    /// Points of the next finer level; `usize::MAX` where there is none.
+    /// Points of the next finer level; `usize::MAX` if there is none.
     pub points_of_finer: usize,
 }
 
@@ -205,7 +205,7 @@ pub trait Growth: Send + Sync {
     /// shown on opening.
     fn is_live(&self) -> bool;
 
-    /// Takes frames that came behind the last one; says how many.
+    /// Takes frames that came after the last one; returns their number.
     fn look_again(&self) -> Result<usize, SequenceError>;
 
     /// Frames whose files changed since they were found, after the first `since` of these changes: data read of them is
@@ -224,8 +224,8 @@ pub trait Growth: Send + Sync {
 
 /// Frames that are depth images, or made of them.
 pub trait DepthImages: Send + Sync {
-    /// The cameras that took frame `index`, and where they were; `None` of frames that no camera took, as far as
-    /// anybody knows.
+    /// The cameras that took frame `index`, and where they were; `None` of frames that no camera took, as far as is
+    /// known.
     fn sensor(&self, index: usize) -> Option<Sensor>;
 
     /// Returns the raw images that the cameras recorded of frame `index`, before any filter; `None` for frames that are

@@ -35,7 +35,7 @@ pub enum StereoError {
         /// View index, from 0.
         view: usize,
     },
-    /// A pose that is none.
+    /// An invalid pose.
     #[error("the pose of view {view} is not a rotation with a finite position: expected camera_from_world, no scale")]
     NoPose {
         /// View index, from 0.
@@ -47,14 +47,14 @@ pub enum StereoError {
     /// Views that look along the line between them, or away from each other.
     #[error("the views cannot be rectified: {0}; choose a pair that stands side by side and looks the same way")]
     NotSideBySide(&'static str),
-    /// A range of disparities that is none.
+    /// An invalid range of disparities.
     #[error("disparities from {min} to {max} px: expected the smaller first and at most {most} between them")]
     NoRange {
         /// Smallest disparity.
         min: i32,
         /// Largest disparity.
         max: i32,
-        /// Most disparities that are tried.
+        /// Maximum number of disparities tried.
         most: usize,
     },
     /// Images that show nothing of the same.
@@ -72,7 +72,7 @@ pub enum StereoError {
         far: f64,
         /// Number of planes.
         planes: usize,
-        /// Most planes that are tried.
+        /// Maximum number of planes tried.
         most: usize,
     },
     /// Penalties that bytes cannot hold.

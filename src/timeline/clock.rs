@@ -195,8 +195,8 @@ impl Clock {
         }
     }
 
-    /// Says which frames there are now: more of them, or none before the first any more. The position stays; of frames
-    /// that are gone none plays.
+    /// Sets the present frames: more of them, or a later first one. The position stays; frames that are gone do not
+    /// play.
     pub fn set_frames(&mut self, frames: Range<usize>, now: Duration) {
         self.reanchor(now);
         (self.travel.first, self.travel.frame_count) = (frames.start, frames.end);
@@ -283,7 +283,7 @@ impl Clock {
         self.skipped
     }
 
-    /// When [`Clock::advance`] will next change something; `None` if it never will by itself.
+    /// Time at which [`Clock::advance`] will next change something; `None` if it never will by itself.
     pub fn next_deadline(&self) -> Option<Duration> {
         let ends = self.playing && self.travel.loop_mode == LoopMode::Off;
         if !self.is_moving() && !ends {

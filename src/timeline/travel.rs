@@ -64,7 +64,7 @@ pub(crate) struct Travel {
 pub(crate) struct Arrival {
     pub(crate) index: usize,
     pub(crate) direction: Direction,
-    /// Fewer than asked for where the sequence ends.
+    /// Fewer than requested where the sequence ends.
     pub(crate) steps: u64,
 }
 

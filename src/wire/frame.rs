@@ -20,7 +20,7 @@ pub struct FrameHead {
     pub index: u32,
     /// Frames that the server has played before; missing numbers were dropped on the way.
     pub number: u64,
-    /// When it is due, ns since the stream began; goes on where the sequence begins again.
+    /// Due time, ns since the stream began; goes on where the sequence begins again.
     pub time_ns: u64,
     /// The clock of the server when it was handed to all clients, ns.
     pub served_ns: u64,

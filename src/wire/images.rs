@@ -182,7 +182,7 @@ fn packed_depth(raster: &Raster, coding: DepthCoding) -> (u32, Vec<u8>) {
     }
 }
 
-/// Code, bytes, and why there are none.
+/// Code, bytes, and the reason why there are none.
 fn packed_color(color: &RawColor, coding: ColorCoding, max_bytes: u64) -> (u32, Cow<'_, [u8]>, Option<String>) {
     if let Err(error) = checked_size(color.size_px(), "the colour image") {
         return (0, Cow::default(), Some(error.to_string()));

@@ -27,7 +27,7 @@ pub struct Ping {
 /// The answer to a ping.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pong {
-    /// The ping's number.
+    /// The clock of the client in the ping.
     pub client_ns: u64,
     /// The clock of the server when the ping came, ns.
     pub received_ns: u64,

@@ -34,7 +34,7 @@ pub enum CloudMismatch {
     /// A coordinate is infinite or no number.
     #[error("point {index} of {side} is not finite")]
     NotFinite {
-        /// Whose point.
+        /// The cloud of the point.
         side: Side,
         /// Its index.
         index: usize,

@@ -1,4 +1,4 @@
-//! A cloud that others are held against: where its points are, their colours and their normals.
+//! A reference cloud for comparisons: positions of its points, their colours and their normals.
 //!
 //! How it works: positions are compared as in [`GeometryError`]. A colour is compared with the colour of the nearest
 //! point of the other cloud, from both clouds, and the larger mean of squares counts, as `pc_error` does it; but over
@@ -17,13 +17,13 @@ use crate::measure::{AngularError, Orientation, psnr_db};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-/// A cloud that others are held against.
+/// A reference cloud for comparisons.
 #[derive(Debug)]
 pub struct ReferenceCloud {
     cloud: Comparable,
     /// From here places are near enough to be f32.
     corner: DVec3,
-    /// Estimated where the cloud has none and they were asked for.
+    /// Estimated if the cloud has none and they were requested.
     normals_of_planes: Option<Vec<Vec3>>,
     nearest: NearestPoint,
 }

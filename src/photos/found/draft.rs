@@ -54,7 +54,7 @@ pub(in crate::photos) struct Drafts {
 /// Tolerance of the products of the axes of a rotation from 0 and 1: files are written with as few as four digits.
 const MAX_SKEW: f64 = 0.01;
 
-/// Names that a note lists before it says how many more there are.
+/// Names that a note lists before it gives the number of others.
 const MAX_NAMES: usize = 3;
 
 /// Maximum number of reasons reported: damage can produce one for every input image, and a hundred suffice for the

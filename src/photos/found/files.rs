@@ -56,9 +56,9 @@ pub(in crate::photos) struct Files {
 #[derive(Debug)]
 struct Listing {
     folder: PathBuf,
-    /// By names in lower case.
+    /// Paths by name in lower case.
     by_name: HashMap<String, PathBuf>,
-    /// By names in lower case, without the extension.
+    /// Paths by name in lower case, without the extension.
     by_stem: HashMap<String, PathBuf>,
 }
 

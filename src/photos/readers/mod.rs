@@ -76,7 +76,7 @@ impl FoundSet {
     }
 }
 
-/// The reconstruction in a folder, or the one that a file is of; `None` where there is none.
+/// The reconstruction in a folder, or the one that a file is of; `None` if there is none.
 ///
 /// # Errors
 /// An error if a file with the name of one cannot be read.

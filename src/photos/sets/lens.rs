@@ -58,7 +58,7 @@ impl Lens {
         }
     }
 
-    /// The camera of an image of `image_px` pixels, or why there is none.
+    /// The camera of an image of `image_px` pixels, or the reason why there is none.
     pub(in crate::photos) fn camera(&self, image_px: [u32; 2]) -> Result<Camera, String> {
         let size_px = self.size_px.unwrap_or(image_px);
         let focal_px = match self.focal {

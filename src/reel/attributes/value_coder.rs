@@ -24,7 +24,7 @@ impl ValueModels {
 /// A coder of bits, and the models of its values.
 #[derive(Debug)]
 pub(in crate::reel) struct ValueCoder<'a, C> {
-    /// Not behind a reference: its state stays in registers.
+    /// Held by value: its state stays in registers.
     pub(in crate::reel) bits: C,
     pub(in crate::reel) models: &'a mut ValueModels,
 }

@@ -51,7 +51,7 @@ impl BitModel {
         self.0 >> 16
     }
 
-    /// Takes notice of a bit.
+    /// Updates the model with a bit.
     #[inline(always)]
     pub(in crate::reel) fn see(&mut self, bit: bool) {
         let seen = self.0 & ((1 << SEEN_BITS) - 1);

@@ -6,7 +6,7 @@
 
 use super::frequencies::Counts;
 
-/// Most tables of a stream: all of them together stay in the cache of a core.
+/// Maximum number of tables of a stream: all of them together stay in the cache of a core.
 pub(in crate::reel) const MAX_TABLES: usize = 12;
 
 /// Contexts that share a table.

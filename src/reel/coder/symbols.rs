@@ -20,11 +20,11 @@ use super::raw_bits::{RawReader, RawWriter};
 use crate::reel::error::Fault;
 use crate::reel::file::{ByteReader, ByteWriter};
 
-/// Most states that take turns.
+/// Maximum number of states that take turns.
 // Interleaved states only help because contexts are derived from the level above, hardly ever from the previous symbol.
 pub(in crate::reel) const LANES: usize = 4;
 
-/// Most contexts.
+/// Maximum number of contexts.
 const MAX_CONTEXTS: usize = 64;
 
 /// States are at least this between symbols.

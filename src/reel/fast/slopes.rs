@@ -27,7 +27,7 @@ const EIGHTH: i32 = 341;
 pub(super) struct OfParents<'a> {
     /// The masks of the level above.
     masks: std::slice::Iter<'a, u8>,
-    /// Parents that have been asked for, and how many siblings of the last one are left.
+    /// Parents already requested, and the number of siblings of the last one that are left.
     next: usize,
     left: u32,
     slopes: Slopes,

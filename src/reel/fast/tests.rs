@@ -210,7 +210,7 @@ proptest! {
     }
 }
 
-/// Where values change within families as they do between them.
+/// Slopes pay off where values change within families as they do between them.
 #[test]
 fn slopes_are_used_where_they_save_space() {
     let tree = Tree {

@@ -60,7 +60,7 @@ pub(in crate::reel) struct FrameRecord {
     pub(in crate::reel) convention: Option<AxisConvention>,
     pub(in crate::reel) unit: Option<LengthUnit>,
     pub(in crate::reel) image: Option<ImageGrid>,
-    /// Those that are there.
+    /// The sections that are there.
     pub(in crate::reel) sections: Vec<SectionRecord>,
     /// Extent present of a frame that the end of the file truncates.
     pub(in crate::reel) cut: Option<FrameCut>,

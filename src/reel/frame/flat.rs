@@ -1,7 +1,7 @@
 //! Attributes by the fast coding: level after level, then the points', in the form in which they are drawn.
 //!
-//! A level is read from the one above it alone, so no more than two of a kind are in memory, unless others are asked
-//! for: allocated [`LevelValues`](super::levels::LevelValues) are filled in.
+//! A level is read from the one above it alone, so no more than two of a kind are in memory, unless others are
+//! requested: allocated [`LevelValues`](super::levels::LevelValues) are filled in.
 
 use super::levels::{FlatValues, Level, LevelValues, Pose};
 use super::parts::{Direction, Part};

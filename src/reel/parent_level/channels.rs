@@ -234,7 +234,7 @@ impl<const N: usize> Level<'_, N> {
         }
     }
 
-    /// Codes points: nothing is known of where they are.
+    /// Codes points, whose positions are unknown.
     #[inline(always)]
     fn code_points<C: SymbolCoder>(&self, coder: &mut C, parent: u64, points: &mut [[u16; N]], symbols: &mut [u8]) {
         let between = std::array::from_fn(|channel| PARTS * Lanes::<N>::get(parent, channel));

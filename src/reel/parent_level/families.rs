@@ -6,9 +6,9 @@ use crate::reel::tree::{Faces, NO_FACES};
 /// mean of them, such as the root, and points outside all cells.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::reel) enum Families<'a> {
-    /// By the masks of the parents.
+    /// Families by the masks of the parents.
     Masks(&'a [u8]),
-    /// By numbers, and how many are outside.
+    /// Families by their numbers of children, and the number of nodes outside.
     Counts(&'a [u32], usize),
 }
 

@@ -150,7 +150,7 @@ fn fast_files_do_not_depend_on_thread_count() {
     assert_eq!(with(1), with(4));
 }
 
-/// Each frame says how it is coded: groups of both are in one file.
+/// Each frame states its coding: groups of both are in one file.
 #[test]
 fn one_file_may_mix_both_codings() {
     let clouds = [surface(900, 0.0), surface(1600, 0.1)];

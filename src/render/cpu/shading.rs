@@ -64,7 +64,7 @@ impl Light {
 // The exponent computed by the multiplications below, and by those in `raster.rs`.
 const _: () = assert!(HEADLIGHT_SHININESS == 3 * 8);
 
-/// It shines from the eye, along a vector of any length.
+/// Light from the eye, along a vector of any length.
 pub(super) fn headlight(normal: Vec3, from_eye: Vec3) -> [f32; 2] {
     headlight_of_cosine(normal.dot(from_eye.normalize_or_zero()).abs())
 }

@@ -25,12 +25,12 @@ pub(super) struct Triangle {
     w: Affine,
     /// Reversed depth, `near/distance`, for each unit of `w`.
     depth_per_w: f32,
-    /// The least and the greatest of its corners.
+    /// The minimum and maximum depth of its corners.
     depths: [f32; 2],
 }
 
 impl Triangle {
-    /// By its corners in view space.
+    /// Creates it from its corners in view space.
     #[inline(always)]
     pub(super) fn new(view: &PixelView, [a, b, c]: [Vec3; 3]) -> Self {
         let reversed = [a, b, c].map(|corner| {

@@ -38,9 +38,9 @@ pub(in crate::render) enum Stage {
 pub(in crate::render) enum OnCpu {
     /// No step in addition to its work on each tile.
     InTiles,
-    /// It changes rows when all tiles are drawn.
+    /// A step that changes rows when all tiles are drawn.
     Rows(fn(&ScenePacket) -> Option<Box<dyn RowStep>>),
-    /// It makes the image shown from the drawn one.
+    /// A step that makes the image shown from the drawn one.
     Shown(fn(&RgbaImage, &mut RgbaImage)),
 }
 

@@ -33,7 +33,7 @@ pub(in crate::render) const EFFECTS: [&Effect; 6] = [
     &supersample::EFFECT,
 ];
 
-/// Those that a packet has in a stage.
+/// The effects of a packet in a stage.
 pub(in crate::render) fn of_stage(packet: &ScenePacket, stage: Stage) -> impl Iterator<Item = &'static Effect> {
     let all = EFFECTS.into_iter().filter(move |effect| effect.stage == stage);
     all.filter(|effect| (effect.is_on)(packet))

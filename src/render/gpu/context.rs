@@ -27,7 +27,7 @@ pub struct Context {
     pub queue: wgpu::Queue,
     /// Name, type and driver.
     pub info: wgpu::AdapterInfo,
-    /// The adapter's limits: all of them were asked for.
+    /// The adapter's limits, all of which were requested.
     pub limits: wgpu::Limits,
     /// True if GPU time can be measured.
     pub has_timestamps: bool,
@@ -161,7 +161,7 @@ impl Context {
         self.limits.max_texture_dimension_2d
     }
 
-    /// Most bytes of a storage binding.
+    /// Maximum bytes of a storage binding.
     pub(super) fn max_storage_bytes(&self) -> u64 {
         let limits = &self.limits;
         limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)

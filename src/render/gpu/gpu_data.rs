@@ -288,7 +288,7 @@ shared_struct! {
         size_px: [u32; 2],
         /// Labels of a pixel, an even number; label k is the disparity `min_px` + k.
         count: u32,
-        /// Least disparity.
+        /// Minimum disparity.
         min_px: i32,
         /// From pixel to pixel of a path.
         path_step: [i32; 2],
@@ -298,13 +298,13 @@ shared_struct! {
         radius_px: u32,
         /// Penalty of a step of one label.
         p1: u32,
-        /// Least penalty of a longer step.
+        /// Minimum penalty of a longer step.
         p2_min: u32,
         /// Additional penalty of a longer step where brightness does not change.
         p2_above_min: u32,
         /// Change of brightness at which half of that is left.
         half_change: u32,
-        /// By how much the best label must be better than others.
+        /// Margin by which the best label must be better than others.
         unique_percent: u32,
         /// Boolean: subpixel positions between labels come from a parabola.
         by_parabola: u32,
@@ -371,9 +371,9 @@ shared_struct! {
         depth_slack: f32,
         /// Additional depth offset for splats that are filtered to the pixels.
         depth_slack_px: f32,
-        /// Radius of the splat that a point becomes by that filter; 0 where there is none.
+        /// Radius of a point's splat by that filter; 0 if there is none.
         filter_radius_px: f32,
-        /// Radius of the least splat that sprites are, in pixels; 0 where there is none.
+        /// Minimum splat radius of sprites, in pixels; 0 if there is none.
         clamp_radius_px: f32,
         /// `LIGHTING_*`, or without light.
         lighting: u32,

@@ -38,7 +38,7 @@ pub struct Truth {
     pub image: RgbaImage,
     /// Depth image, sampled at the centre of each pixel.
     pub depth: DepthImage,
-    /// By how much a depth may differ and still be of that surface: a splat's diameter; infinite where nothing is seen.
+    /// Tolerance within which a depth still counts as that surface: a splat's diameter; infinite where nothing is seen.
     /// One for each pixel, scene units.
     pub tolerance: Vec<f32>,
 }

@@ -27,11 +27,11 @@ pub struct DroppedPixels {
 /// Filters that were applied to one image, and the fate of its pixels.
 #[derive(Debug, Clone, Default)]
 pub struct FilterReport {
-    /// Those that were applied.
+    /// The filters that were applied.
     pub applied: Filters,
-    /// Those among them that dropped pixels.
+    /// Applied filters that dropped pixels.
     pub dropped: Vec<DroppedPixels>,
-    /// Those that were not applied, as they would drop most of the image.
+    /// Filters that were not applied, as they would drop most of the image.
     pub skipped: Vec<DroppedPixels>,
 }
 

@@ -119,7 +119,7 @@ mod tests {
     use super::*;
     use crate::rgbd::filters::test_images::{noise, plane_with_holes};
 
-    /// By sorting.
+    /// The median by sorting.
     fn sorted_median(depth: &DepthImage) -> Vec<f32> {
         let (width, height) = (depth.width() as isize, depth.height() as isize);
         let pixel = |x: isize, y: isize| {

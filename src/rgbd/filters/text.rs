@@ -59,7 +59,7 @@ impl fmt::Display for Filters {
 impl FromStr for Filters {
     type Err = ParseFiltersError;
 
-    /// The filters that are named, with their usual parameters where nothing else is said; their order is always the
+    /// The filters that are named, with their default parameters unless others are given; their order is always the
     /// same.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let mut filters = Self::NONE;

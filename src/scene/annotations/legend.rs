@@ -7,7 +7,7 @@ use crate::analysis::{ColorMap, ColorScale, NormalErrors, class_color, class_nam
 use crate::cloud::ValueSample;
 use crate::sequence::{Paint, PaintValues, PreparedFrame, plain_field_name, value_kind};
 
-/// Most classes that are listed.
+/// Maximum number of classes listed.
 const MAX_CLASSES: usize = 20;
 
 /// Maximum number of tick labels along a colour ramp.

@@ -33,7 +33,7 @@ const MAX_STEP: f32 = 0.025;
 /// Darkness of an edge of the cloud: exp(-0.5) of its colour.
 const EDGE: f32 = 0.5;
 
-/// That share along a straight border.
+/// Share of neighbours without depth along a straight border.
 const BORDER: f32 = 3.0 / 8.0;
 
 /// Eye-dome lighting (EDL) parameters, which darken the pixels of an image, in terms of reversed depths `near /
@@ -49,7 +49,7 @@ pub struct EyeDomeLight {
     pub reach_px: [u32; 2],
     /// Factors on the steps to neighbours in a row or a column, and to those on diagonals.
     pub gains: [f32; 2],
-    /// Most that a step adds.
+    /// Maximum contribution of a step.
     pub max: f32,
     /// Darkness where the cloud ends.
     pub edge: f32,

@@ -27,7 +27,7 @@ pub enum EnvironmentError {
     Open {
         /// Path of the file.
         path: PathBuf,
-        /// Why not.
+        /// The reason.
         source: io::Error,
     },
     /// Its contents are not an image, or too many pixels.
@@ -35,7 +35,7 @@ pub enum EnvironmentError {
     Picture {
         /// Path of the file.
         path: PathBuf,
-        /// Why not.
+        /// The reason.
         source: ImageError,
     },
     /// An image without pixels.

@@ -51,7 +51,7 @@ pub struct FirstLook {
     pub kind: CaptureKind,
     /// Up axis.
     pub up: UpAxis,
-    /// Why it is.
+    /// The reason for the up axis.
     pub up_why: &'static str,
     /// Strength of the evidence for the up axis.
     pub up_evidence: Evidence,
@@ -59,7 +59,7 @@ pub struct FirstLook {
     pub from: Standpoint,
     /// A mesh where the files have triangles, surfels, or points where no surface was sampled.
     pub primitive: Primitive,
-    /// Why.
+    /// The reason for the primitive.
     pub primitive_why: &'static str,
     /// True if there are triangles that can be drawn instead of points.
     pub has_faces: bool,

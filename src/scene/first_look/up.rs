@@ -24,7 +24,7 @@ impl Up {
         self.axis.direction() == -other.axis.direction()
     }
 
-    /// By how the points lie.
+    /// The up axis by the distribution of the points.
     pub(super) fn by_points(axis: UpAxis, why: &'static str) -> Self {
         Self::new(axis, why, Evidence::Statistics)
     }

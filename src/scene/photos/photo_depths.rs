@@ -24,7 +24,7 @@ impl PhotoDepths {
 #[derive(Debug)]
 pub(crate) struct DepthMap {
     pub(crate) size: [u32; 2],
-    /// 0 where nothing is known; negative near steps.
+    /// 0 if unknown; negative near steps.
     pub(crate) distances: Vec<f32>,
     /// Places this far behind the surface there are hidden by it.
     pub(crate) tolerance: f32,
@@ -129,7 +129,7 @@ fn mark_steps(distances: &mut [f32], width: usize, tolerance: f32) {
 
 /// From the nearest to the farthest of some distances, without a fiftieth of them at both ends; and their median.
 fn extent(distances: &[f32]) -> (f32, f32) {
-    /// That many are looked at: every one of a small map.
+    /// Number of depths examined: every one of a small map.
     const SAMPLES: usize = 1 << 14;
     let step = distances.len().div_ceil(SAMPLES).max(1);
     let known = distances.iter().step_by(step).copied();

@@ -41,7 +41,7 @@ pub enum ParseViewError {
     /// An invalid number, or not one of these.
     #[error("`{}` is not a valid {what} of a view: expected {expected}", clipped(.found))]
     Number {
-        /// Whose number it is.
+        /// The name of the number.
         what: &'static str,
         /// Text found instead.
         found: String,

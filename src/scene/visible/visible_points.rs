@@ -21,7 +21,7 @@ use std::time::Instant;
 pub struct ScreenStats {
     /// Points that might have been seen.
     pub points: usize,
-    /// Those that were.
+    /// Visible points.
     pub visible: usize,
     /// Milliseconds of telling them apart, if they were measured: on a GPU, by its own clock.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -1,4 +1,4 @@
-//! Why a text says nothing of colours.
+//! Error of a text that is not a colour source.
 
 /// A text that is not a colour source.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

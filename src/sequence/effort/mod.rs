@@ -68,7 +68,7 @@ impl Effort {
         }
     }
 
-    /// Says how long a frame lasts while playing, or that nothing is played. True if that changes anything.
+    /// Sets the duration of a frame while playing, or that nothing is played. True if that changes anything.
     pub(super) fn set_interval(&mut self, interval: Option<Duration>) -> bool {
         match interval {
             None => self.made_for = None,
@@ -92,7 +92,7 @@ impl Effort {
         self.drawing = self.drawing.forgetful();
     }
 
-    /// Takes notice of a frame that was made.
+    /// Records a frame that was made.
     pub(super) fn note_made(&mut self, made: &MakingCost) {
         self.points_in_file = self.points_in_file.max(made.points_in_file);
         if let Some(decode_ms) = made.decode_ms {
@@ -280,7 +280,7 @@ mod tests {
         assert_eq!(small.in_time(), Detail::Full);
     }
 
-    /// Draws frames of the detail asked for on a machine that takes `ms(points)`.
+    /// Draws frames of the requested detail on a machine that takes `ms(points)`.
     fn drawn(effort: &mut Effort, ms: impl Fn(usize) -> f64) -> Detail {
         effort.note_made(&made(0.1, 0.1, MILLION));
         for _ in 0..200 {

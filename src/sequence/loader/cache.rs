@@ -80,9 +80,9 @@ pub(super) struct Cache {
     in_flight: usize,
     /// Largest size of the frames prepared for the present needs with all their points.
     largest_bytes: Option<usize>,
-    /// The most that a point took in frames prepared for the present needs.
+    /// Maximum bytes per point in frames prepared for the present needs.
     bytes_per_point: Option<f64>,
-    /// The most points that a file had.
+    /// Maximum number of points of a file.
     largest_points: usize,
     /// Counts the needs that there were.
     needs_epoch: u64,

@@ -152,7 +152,7 @@ impl Loader {
         self.shared.work.notify_all();
     }
 
-    /// Says which frames play: of the others none is prepared ahead, and they are the first to go. All until then.
+    /// Sets the frames that play: others are not prepared ahead, and are the first to be evicted. All until then.
     pub fn set_range(&self, range: PlayRange) {
         self.shared.queue().focus.travel.range = range;
         self.shared.work.notify_all();
@@ -289,7 +289,7 @@ impl Loader {
         self.shared.readings.list()
     }
 
-    /// Returns true if someone has cancelled the reading of a frame, be it over or not.
+    /// Returns true if the reading of a frame was cancelled, even if it is over.
     pub fn was_cancelled(&self) -> bool {
         self.shared.readings.was_cancelled()
     }

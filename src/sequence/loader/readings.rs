@@ -95,7 +95,7 @@ impl Readings {
         }
     }
 
-    /// Those that do not wait for others to be read.
+    /// Readings that do not wait for others.
     pub(super) fn list(&self) -> Vec<Reading> {
         let list = lock(&self.0);
         let wanted = list.under_way.iter().filter(|entry| !entry.is_superseded);
@@ -115,7 +115,7 @@ impl Readings {
         }
     }
 
-    /// Returns true if someone has cancelled one of them, be it over or not.
+    /// Returns true if one of them was cancelled, even if it is over.
     pub(super) fn was_cancelled(&self) -> bool {
         lock(&self.0).was_cancelled()
     }

@@ -45,7 +45,7 @@ impl Simulation {
         (loader, simulation)
     }
 
-    /// When the next frame will be finished.
+    /// Time at which the next frame will be finished.
     pub(crate) fn next_event(&self) -> Option<Duration> {
         self.workers.iter().flatten().map(|&(at, _)| at).min()
     }

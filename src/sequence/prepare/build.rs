@@ -27,7 +27,7 @@ pub(super) struct Build<'a> {
     pub(super) existing: Option<&'a PreparedFrame>,
     /// Its triangles, if they were read.
     pub(super) loaded_mesh: Option<Mesh>,
-    /// Whose triangles it has otherwise.
+    /// The frame whose triangles it has otherwise.
     pub(super) mesh_of: Option<&'a PreparedFrame>,
     /// Shapes that are known.
     pub(super) shapes: Option<Shapes>,

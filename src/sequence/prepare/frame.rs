@@ -11,7 +11,8 @@ use crate::sequence::{ColorHints, ColorSource, Coloring, Needs, Paint};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// A frame with everything some [`Needs`] asked for. Immutable; parts are shared with the frames it was completed from.
+/// A frame with everything required by some [`Needs`]. Immutable; parts are shared with the frames it was completed
+/// from.
 #[derive(Debug, Clone)]
 pub struct PreparedFrame {
     /// Index in the sequence.
@@ -22,7 +23,7 @@ pub struct PreparedFrame {
     pub frame: Arc<Frame>,
     /// One record a point.
     pub points: Arc<Vec<PointRecord>>,
-    /// One record a point, if asked for, or if estimating normals for colours brought them anyway.
+    /// One record per point, if requested, or if estimating normals for colours brought them anyway.
     pub shapes: Option<Arc<Vec<ShapeRecord>>>,
     /// Options by which the normals in `shapes` were estimated, where the file has none.
     pub surface: SurfaceOptions,
@@ -36,13 +37,13 @@ pub struct PreparedFrame {
     /// The criterion that decided the signs of the normals in `shapes`: the back of a surfel says nothing unless they
     /// are right. `None` without shapes.
     pub orientation: Option<Orientation>,
-    /// Its triangles, if they were asked for; without any of a frame that has none.
+    /// Its triangles, if requested; empty for a frame without any.
     pub mesh: Option<PreparedMesh>,
     /// Posed images of its scene, if they were loaded: see [`PreparedFrame::with_photos`].
     pub posed_images: Option<Arc<PosedImages>>,
     /// Surface that posed images are projected onto, if that is finer than one disk per point.
     pub curved: Option<PhotoSurface>,
-    /// The levels of detail that were asked for, in the colours of `points`.
+    /// The requested levels of detail, in the colours of `points`.
     pub levels: LevelsSet,
     /// Timings of the last completion; decoding included if it happened then.
     pub timings: Timings,

@@ -19,7 +19,7 @@
 //! `Arc::ptr_eq`.
 //!
 //! Fake colours are always taken from the packed normals, so that they do not depend on the order in which shapes and
-//! colours were asked for.
+//! colours were requested.
 
 mod build;
 mod counters;

@@ -61,8 +61,8 @@ pub(super) fn without_outliers(
     Some(shapes)
 }
 
-/// The disks of a frame, bent with the surface; `None` where all are flat, the file says how large they are, or they
-/// are many. Precondition: a record of each kind for each point.
+/// The disks of a frame, bent with the surface; `None` where all are flat, the file has their radii, or they are many.
+/// Precondition: a record of each kind for each point.
 pub(super) fn curved_surface(
     frame: &Frame,
     points: &[PointRecord],
@@ -196,7 +196,7 @@ mod tests {
             let [x, y, _] = point.position;
             assert!((x.hypot(y) - 1.0).abs() < 0.02, "{point:?}");
         }
-        // Radii in a file were chosen by someone.
+        // Radii in a file were chosen deliberately.
         let with_radii = Attributes {
             radii: Some(vec![0.3; 600]),
             ..with_normals

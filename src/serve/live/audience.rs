@@ -1,4 +1,4 @@
-//! Those who are connected.
+//! The connected clients.
 
 use super::mailbox::Mailbox;
 use super::outgoing::Outgoing;
@@ -46,7 +46,7 @@ pub struct ClientReport {
     pub whole_bytes: Option<u64>,
     /// Duration of the connection.
     pub time: Duration,
-    /// Why it is not there any more.
+    /// The reason why it is gone.
     pub reason: String,
 }
 
@@ -63,13 +63,13 @@ pub(super) struct Client {
     joined: Instant,
     /// While it is sent a message: when it took something last.
     taking: Mutex<Option<Instant>>,
-    /// When it has said something last, as those who show the stream do all the time.
+    /// Time of its last message; clients that show the stream send them all the time.
     heard: Mutex<Option<Instant>>,
     /// For ending the waits of its threads.
     pub(super) stream: TcpStream,
 }
 
-/// The answer to somebody who wants to join.
+/// The answer to a client that wants to join.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Joining {
     Joined,
@@ -104,17 +104,17 @@ impl Client {
         *lock(&self.view) = Some(view);
     }
 
-    /// It is sent a message from now on.
+    /// Notes that a message is being sent to it from now on.
     pub(super) fn begins_to_take(&self) {
         *lock(&self.taking) = Some(Instant::now());
     }
 
-    /// It has taken the message to its end.
+    /// Notes that it has taken the whole message.
     pub(super) fn has_taken(&self) {
         *lock(&self.taking) = None;
     }
 
-    /// It has said something.
+    /// Notes that it has sent a message.
     pub(super) fn has_spoken(&self) {
         *lock(&self.heard) = Some(Instant::now());
     }
@@ -204,7 +204,7 @@ impl Audience {
         lock(&self.inside).clients.retain(|other| !Arc::ptr_eq(other, client));
     }
 
-    /// Hands a frame to everybody; says how many frames were dropped for it.
+    /// Hands a frame to all clients; returns the number of frames dropped for it.
     pub(super) fn send(&self, frame: &Arc<Outgoing>) -> u64 {
         let mut inside = lock(&self.inside);
         inside.newest = Some(Arc::clone(frame));

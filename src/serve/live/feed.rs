@@ -26,9 +26,9 @@ pub(super) struct Feed {
     max_bytes: u64,
     buffered: BTreeMap<usize, Body>,
     buffered_bytes: usize,
-    /// Frames that cannot be read, which was said.
+    /// Unreadable frames, already reported.
     broken: BTreeSet<usize>,
-    /// Frames whose colours cannot be sent, which was said.
+    /// Frames whose colours cannot be sent, already reported.
     said: BTreeSet<usize>,
     /// Point spacing, and the number of frames since it was measured.
     spacing: Option<(PointSpacing, usize)>,

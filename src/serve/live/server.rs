@@ -19,7 +19,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// Between looks at whether it is over, and whether somebody has come.
+/// Interval of checks for the end, and for new clients.
 const LOOK: Duration = Duration::from_millis(10);
 
 /// Clients that wait for a place; more are left to the queue of the system.
@@ -32,7 +32,7 @@ pub struct LiveOptions {
     pub coding: ImageCoding,
     /// True if playback loops: the sequence restarts at its end.
     pub repeats: bool,
-    /// Most bytes that a frame may take in memory.
+    /// Maximum bytes that a frame may take in memory.
     pub max_bytes: u64,
 }
 
@@ -43,7 +43,7 @@ pub struct LiveReport {
     pub clients: usize,
     /// Frames that were served, each counted once.
     pub served_frames: u64,
-    /// Frames that could not be made in time while somebody was there, or not at all.
+    /// Frames that could not be made in time while a client was connected, or not at all.
     pub missed_frames: u64,
     /// Frames that were dropped for newer ones, of all clients together.
     pub dropped_frames: u64,

@@ -29,7 +29,7 @@ const LARGE_BYTES: u64 = 64 << 20;
 pub(super) struct SharedDepth {
     entries: Arc<RwLock<Vec<Arc<FrameEntry>>>>,
     decided: OnceLock<Option<ColorDepth>>,
-    /// The least range, where somebody has chosen it.
+    /// The minimum range, if it was chosen.
     chosen: Option<ColorDepth>,
 }
 

@@ -33,7 +33,7 @@ pub(super) struct SplitName {
     pub(super) numbers: Vec<NameNumber>,
 }
 
-/// When a minus in front of digits is a sign.
+/// Rule for a minus in front of digits being a sign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Minus {
     /// At the start of the name and after a separator: `t_-1`.

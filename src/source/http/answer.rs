@@ -13,7 +13,7 @@ pub(super) fn content_range(headers: &HeaderMap) -> Option<(Range<u64>, u64)> {
     (first <= last && last < whole).then(|| (first..last + 1, whole))
 }
 
-/// By which a file is known to be the same one.
+/// The version tag that identifies an unchanged file.
 pub(super) fn version_of(headers: &HeaderMap) -> Option<String> {
     let header = headers.get(header::ETAG).or(headers.get(header::LAST_MODIFIED))?;
     header.to_str().ok().map(str::to_owned)

@@ -55,7 +55,7 @@ pub(super) struct HttpFile {
     /// The address that redirections have led to.
     url: String,
     len: u64,
-    /// By which the file is known to be the same one.
+    /// The version tag that identifies the unchanged file.
     version: Option<String>,
     pace: BytePace,
     deadlines: ClientDeadlines,
@@ -71,11 +71,11 @@ impl std::fmt::Debug for HttpFile {
     }
 }
 
-/// Why an answer is of no use.
+/// Reasons why an answer is of no use.
 enum Failure {
-    /// It may be better the next time.
+    /// A failure that may be gone the next time.
     Broken(io::Error),
-    /// It will not.
+    /// A permanent failure.
     Refused(io::Error),
 }
 

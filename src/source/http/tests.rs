@@ -24,8 +24,8 @@ fn deadlines() -> ClientDeadlines {
     }
 }
 
-/// Answers each request as `answer` does, which is given the stream, the range that is asked for and the number of the
-/// request; says where.
+/// Answers each request as `answer` does, which is given the stream, the requested range and the number of the request;
+/// returns its address.
 fn hostile(answer: impl Fn(&mut TcpStream, &str, usize) + Send + Sync + 'static) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let url = format!("http://{}/a.reel", listener.local_addr().unwrap());
@@ -55,7 +55,7 @@ fn hostile(answer: impl Fn(&mut TcpStream, &str, usize) + Send + Sync + 'static)
     url
 }
 
-/// Says `bytes` and then nothing, for as long as the client is there.
+/// Sends `bytes` and then nothing, for as long as the client is there.
 fn say_and_wait(stream: &mut TcpStream, bytes: &[u8]) {
     let _ = stream.write_all(bytes);
     let _ = stream.set_read_timeout(Some(LONG));

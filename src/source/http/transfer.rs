@@ -16,7 +16,7 @@ pub(super) struct Transfer<'a> {
     paused: Duration,
     /// Bytes that have come.
     came: u64,
-    /// When the last of them did, without pauses.
+    /// Time when the last of them came, without pauses.
     last: Duration,
 }
 

@@ -14,7 +14,7 @@ use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Between looks at whether anybody listens still.
+/// Interval of checks for remaining listeners.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Between pings.
@@ -129,9 +129,9 @@ struct Patient<'a> {
     shared: &'a Shared,
     deadlines: &'a ClientDeadlines,
     heard: Instant,
-    /// When the first bytes of the message came that is being read, and how many have come.
+    /// Time when the first bytes of the message being read came, and the number of bytes so far.
     message: Option<(Instant, u64)>,
-    /// When it was asked last; `None` while it is not to be asked.
+    /// Time of the last ping; `None` while none is to be sent.
     pinged: Option<Instant>,
 }
 

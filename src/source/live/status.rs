@@ -20,13 +20,13 @@ pub trait Live: Send + Sync {
     /// recording is finished.
     ///
     /// # Errors
-    /// Why the file cannot be written, in a sentence.
+    /// The reason why the file cannot be written, in a sentence.
     fn start_recording(&self, path: &Path) -> Result<(), String>;
 
     /// Ends the recording, and returns its summary.
     ///
     /// # Errors
-    /// Why its end could not be written, in a sentence.
+    /// The reason why its end could not be written, in a sentence.
     fn stop_recording(&self) -> Result<Option<StreamRecording>, String>;
 }
 
@@ -62,8 +62,8 @@ pub struct LiveStatus {
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum LiveState {
-    /// It is.
+    /// The stream is connected.
     Connected,
-    /// It is not, for this reason, and is tried again.
+    /// The stream is not connected, for this reason, and is tried again.
     Reconnecting(String),
 }

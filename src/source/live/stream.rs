@@ -29,7 +29,7 @@ use std::time::{Duration, Instant};
 /// Default number of seconds for rewinding.
 const USUAL_SECONDS: f64 = 10.0;
 
-/// Between looks at whether the first frame has come.
+/// Interval of checks for the first frame.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// A live stream over TCP.

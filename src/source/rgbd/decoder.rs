@@ -32,7 +32,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 pub(super) struct Recorded {
     frames: Vec<FrameImages>,
     pub(super) code: DepthCode,
-    /// Lookup table from 16-bit values to metres, once it was asked for.
+    /// Lookup table from 16-bit values to metres, once requested.
     table: OnceLock<Option<DepthTable>>,
     sizes: Sizes,
     pub(super) filters: Filters,
@@ -57,7 +57,7 @@ struct PreparedRig {
     rays: Arc<RayTable>,
 }
 
-/// Fails where an image of this size takes more memory than it may: a few bytes of RVL are as many holes as they like.
+/// Fails where an image of this size takes more memory than it may: a few bytes of RVL can be any number of holes.
 fn check_pixels([width, height]: [u32; 2], path: &Path, options: &ReadOptions) -> Result<(), RgbdError> {
     let bytes = u64::from(width) * u64::from(height) * DEPTH_PIXEL_BYTES;
     if bytes > options.max_memory_bytes {
@@ -401,7 +401,7 @@ impl Recorded {
     }
 }
 
-/// Says which of the usual filters dropped much of an image, and which were not applied.
+/// Reports the default filters that dropped much of an image, and those that were not applied.
 fn said_by_filters(report: &FilterReport, warnings: &mut Vec<String>, assumptions: &mut Vec<Assumption>) {
     let noticeable = report.dropped.iter().filter(|dropped| dropped.share > NOTICEABLE_SHARE);
     for dropped in noticeable {

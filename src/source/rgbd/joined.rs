@@ -33,7 +33,7 @@ pub(super) struct Merged {
     cells: Option<Cells>,
     /// Number of points merged into cells.
     joined: usize,
-    /// As it was asked for.
+    /// The requested size.
     edge_m: Option<f64>,
     max_points: usize,
     has_colors: bool,
@@ -70,7 +70,7 @@ impl Merged {
         self.points.positions.is_empty() && self.cells.as_ref().is_none_or(Cells::is_empty)
     }
 
-    /// Says that frame `index` is not among them.
+    /// Reports that frame `index` is not among them.
     pub(super) fn warn_of(&mut self, index: usize, reason: &dyn fmt::Display) {
         self.warnings
             .push(format!("{} is skipped: {reason}", frame_by_index(index)));

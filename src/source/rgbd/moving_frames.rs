@@ -16,7 +16,7 @@ use std::time::Duration;
 /// Frames of reference with the places that they had.
 #[derive(Debug, Default)]
 pub(super) struct MovingFrames {
-    /// By the child.
+    /// Parents by child.
     parents: HashMap<String, Parent>,
 }
 
@@ -31,8 +31,8 @@ struct Parent {
 }
 
 impl MovingFrames {
-    /// By links that hold for all times, and by those that hold at their time. Of a frame with several parents the
-    /// first one counts.
+    /// Creates the tree from links that hold for all times, and from those that hold at their time. Of a frame with
+    /// several parents the first one counts.
     pub(super) fn of(statics: Vec<Link>, moving: Vec<Link>) -> Self {
         let mut frames = Self::default();
         for (is_static, links) in [(true, statics), (false, moving)] {

@@ -26,8 +26,8 @@ pub(super) fn by_key(depths: &[PathBuf], colors: &[PathBuf], key: impl Fn(&str) 
     Pairs::of(depths, colors, depths.iter().map(color_of).collect())
 }
 
-/// By their names without extensions; else by the first or the last number in them; else one by one, if their numbers
-/// are equal.
+/// Pairs by their names without extensions; else by the first or the last number in them; else one by one, if their
+/// numbers are equal.
 pub(super) fn by_name(depths: &[PathBuf], colors: &[PathBuf]) -> Pairs {
     let keys: [fn(&str) -> Option<String>; 3] = [
         |name| Some(stem(name).to_owned()),

@@ -12,7 +12,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 impl Trajectory {
-    /// Those in the file at `path`, of any of the formats of [`RgbdError::Trajectory`].
+    /// The poses in the file at `path`, of any of the formats of [`RgbdError::Trajectory`].
     pub(in crate::source) fn read(path: &Path) -> Result<Self, RgbdError> {
         Ok(Self::read_and_tell(path)?.0)
     }

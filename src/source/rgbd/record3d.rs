@@ -35,7 +35,7 @@ const MAX_METADATA_BYTES: u64 = 64 << 20;
 
 const EXTENSIONS: &[&str] = &["r3d"];
 
-/// By their names.
+/// Recognised by their names.
 pub(super) const RECORDER: Recorder = Recorder {
     extensions: EXTENSIONS,
     can_read: |path| has_extension(name_of(path), EXTENSIONS),

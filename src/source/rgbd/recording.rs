@@ -147,7 +147,7 @@ impl RgbdRecording {
         }
     }
 
-    /// Whose layout it has, for people.
+    /// The name of its layout, for users.
     pub fn layout(&self) -> &'static str {
         self.layout
     }

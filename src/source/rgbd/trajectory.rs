@@ -33,8 +33,8 @@ impl Trajectory {
 
     /// The poses of frames with these times and numbers in their names.
     ///
-    /// By times, if there are some; by their order, if there is one pose per frame; else by the numbers in the names,
-    /// if each has a pose, as of every tenth image of a longer trajectory; else by their order from 0.
+    /// Poses by times, if there are some; by their order, if there is one pose per frame; else by the numbers in the
+    /// names, if each has a pose, as of every tenth image of a longer trajectory; else by their order from 0.
     pub(in crate::source) fn poses_of(
         &self,
         times: &[Option<Duration>],

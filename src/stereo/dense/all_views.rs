@@ -56,7 +56,7 @@ pub enum DenseError {
     TooFew {
         /// Number of images that could be read.
         count: usize,
-        /// Why others could not.
+        /// The reason why others could not.
         reason: String,
     },
     /// They show nothing that two of them agree on.

@@ -11,7 +11,7 @@ use crate::stereo::views::view::check_pinhole;
 use glam::{DAffine3, DVec2};
 use rayon::prelude::*;
 
-/// When depths count as one.
+/// Criteria for depths to count as one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Consistency {
     /// Number of views that have to agree, including the view itself. With fewer views, all of them.

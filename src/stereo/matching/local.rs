@@ -14,7 +14,7 @@ use rayon::prelude::*;
 /// Lines of a task.
 const LINES: usize = 16;
 
-/// Most bytes of a line of costs.
+/// Maximum bytes of a line of costs.
 const MAX_LINE_BYTES: usize = 64 << 20;
 
 const _: () = assert!((2 * MAX_RADIUS + 1).pow(2) * MAX_COST as usize <= u16::MAX as usize);

@@ -3,7 +3,7 @@
 use super::costs::LANES;
 use crate::stereo::StereoError;
 
-/// Most disparities that are tried.
+/// Maximum number of disparities tried.
 const MAX: usize = 8192;
 
 /// Disparities in pixels, column in the left image less column in the right one: above 0 for finite depths in views

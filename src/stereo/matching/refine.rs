@@ -16,7 +16,7 @@ use super::constants::REFINE_REACH as REACH;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-/// Labels to each side that are asked for: one, and one more for neighbours whose label is one off.
+/// Labels to each side that are queried: one, and one more for neighbours whose label is one off.
 pub(super) const NEIGHBOR: usize = 2;
 
 /// Sentinel for a missing cost.

@@ -42,7 +42,7 @@ fn lowest([below, at, above]: [u32; 3]) -> f32 {
 /// Criteria for choosing winners.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::stereo) struct Choice {
-    /// By how much all other labels have to cost more, in percent of the winner.
+    /// Margin by which all other labels have to cost more, in percent of the winner.
     pub(in crate::stereo) unique_percent: u16,
     pub(in crate::stereo) between: Between,
     /// Smallest disparity, where labels are disparities and left and right are to agree.

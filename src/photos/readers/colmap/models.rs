@@ -19,7 +19,7 @@ pub(super) struct Model {
 /// fx, fy, cx, cy and the lens of the numbers of a camera.
 type MakeLens = fn(&[f64]) -> ([f64; 4], Distortion);
 
-/// By their numbers.
+/// Models by number.
 const MODELS: [Model; 18] = [
     Model::shown("SIMPLE_PINHOLE", 3, |p| (one_focal(p), Distortion::None)),
     Model::shown("PINHOLE", 4, |p| (two_focals(p), Distortion::None)),

@@ -206,7 +206,7 @@ mod tests {
     use crate::reel::ReelOptions;
     use crate::reel::frame::{GroupPlan, encode_pose, prepare};
 
-    /// No writer makes one, but damaged bytes may say so.
+    /// No writer makes one, but damaged bytes may contain it.
     #[test]
     fn a_frame_without_points_can_be_followed() {
         let empty = RawCloud::from_positions(Positions::F32(Vec::new()));

@@ -30,7 +30,7 @@ use super::schema::{Retained, Schema, Values};
 /// Maximum coded motion of a node in parts of a cell: within it, quotients are exact ([`crate::reel::coder::divided`]).
 const MAX_CHANGE: i32 = 1 << 13;
 
-/// Most bits of a position, so that it may leave the cube.
+/// Maximum bits of a position, so that it may leave the cube.
 const MAX_POSITION_BITS: u32 = 28;
 
 /// Precision of node motion.

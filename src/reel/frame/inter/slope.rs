@@ -29,7 +29,7 @@ impl Below<'_> {
         &self.positions[self.family.first[node] as usize..self.family.first[node + 1] as usize]
     }
 
-    /// By how much each child moves otherwise than its parent, as the nodes around that do.
+    /// Differences of each child's motion from its parent's, by the motion of the nodes around that.
     pub(super) fn differences(&self) -> Vec<[i32; 3]> {
         let nodes = self.steps.len();
         let centers: Vec<DVec3> = (0..nodes).map(|node| center_of(self.children(node))).collect();

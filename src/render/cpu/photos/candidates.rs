@@ -35,7 +35,7 @@ pub(super) struct Scores {
     /// The cosine of the angle between the directions to the camera and to the eye; [`Scores::NONE`] where it does not
     /// look.
     cosines: Vec<f32>,
-    /// The largest cosine of each eight: most of them need not be gone through for the next one.
+    /// The largest cosine of each eight: most of them need not be searched for the next one.
     largest: Vec<f32>,
     /// Squares of these angles.
     angles2: Vec<f32>,

@@ -75,8 +75,8 @@ impl DepthView<'_> {
         }
     }
 
-    /// Returns the position at a texel, in camera space; at the camera where nothing is known. Texels beyond the border
-    /// are clamped to it.
+    /// Returns the position at a texel, in camera space; at the camera if unknown. Texels beyond the border are clamped
+    /// to it.
     #[inline(always)]
     fn place(&self, column: i32, row: i32) -> Vec3 {
         let [width, height] = self.map.size.map(|edge| edge as i32);
@@ -116,7 +116,7 @@ mod tests {
         Vec3::new(slope(0), slope(1), 1.0)
     }
 
-    /// The map of a surface that says where each ray meets it: a factor on it, 0 for nothing.
+    /// The map of a surface by its intersection with each ray: a factor on it, 0 for nothing.
     fn map(edge_px: u32, view: &PhotoView, along: impl Fn(Vec3) -> f32) -> DepthMap {
         let per_texel = view.size[0] / edge_px as f32;
         let midpoints = (0..edge_px * edge_px).map(|at| [at % edge_px, at / edge_px]);

@@ -52,7 +52,7 @@ shared_struct! {
         reach_px: [i32; 2],
         /// Straight and on diagonals.
         gains: [f32; 2],
-        /// Most that a step adds.
+        /// Maximum contribution of a step.
         max: f32,
         /// The darkness of edges.
         edge: f32,

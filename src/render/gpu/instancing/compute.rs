@@ -50,7 +50,7 @@ struct Compute {
     storage: Storage,
     outputs: BufferGroup,
     view_layout: wgpu::BindGroupLayout,
-    /// By the name of their amplification.
+    /// Pipelines by the name of their amplification.
     pipelines: HashMap<&'static str, Pipelines>,
     /// For each chunk amplified last.
     amplified: Vec<AmplifiedChunk>,

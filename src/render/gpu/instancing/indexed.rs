@@ -65,7 +65,7 @@ impl Indexed {
         Self { layout }
     }
 
-    /// Uploads a mesh in as many chunks as the adapter needs.
+    /// Uploads a mesh in the number of chunks that the adapter needs.
     pub(in crate::render::gpu) fn upload(
         &self,
         context: &Context,

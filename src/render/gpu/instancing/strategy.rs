@@ -51,10 +51,10 @@ pub(in crate::render::gpu) trait Instancing: fmt::Debug + Send {
         Vec::new()
     }
 
-    /// The most records that one chunk may have.
+    /// The maximum number of records of one chunk.
     fn max_chunk_records(&self, context: &Context, amplification: &'static Amplification) -> usize;
 
-    /// The most quads that one draw call of a chunk with `records` records indexes.
+    /// The maximum number of quads that one draw call of a chunk with `records` records indexes.
     fn quads_per_draw(&self, records: u32, amplification: &'static Amplification) -> u32 {
         records * amplification.quads_per_record()
     }
@@ -85,7 +85,7 @@ pub(in crate::render::gpu) trait RecordInstancing: Instancing {
     /// The chunk of this many records in a buffer. Precondition: they fit.
     fn chunk_in(&self, context: &Context, record_buffer: &RecordBuffer, record_count: u32) -> Chunk;
 
-    /// The most records of a chunk that the strategy and the adapter can hold, at least one.
+    /// The maximum number of records of a chunk that the strategy and the adapter can hold, at least one.
     fn max_records(&self, context: &Context, amplification: &'static Amplification) -> usize {
         self.max_chunk_records(context, amplification)
             .min(context.max_chunk_records.unwrap_or(usize::MAX))

@@ -1,4 +1,4 @@
-//! Passes over records. Which primitive is drawn by which of them is said in `primitives`.
+//! Passes over records. `primitives` assigns them to primitives.
 
 use super::state::{ADDED, ColorUse, DepthUse, GeometryPass, OVER, PREMULTIPLIED};
 use crate::render::gpu::targets::Target;

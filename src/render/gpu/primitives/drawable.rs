@@ -21,7 +21,7 @@ pub(in crate::render::gpu) struct Drawable<'a> {
     pub(in crate::render::gpu) selection: Option<&'a Arc<Selection>>,
     /// Visible points and their shapes, to be determined if the stream holds all points.
     pub(in crate::render::gpu) visible: Option<&'a Arc<VisiblePoints>>,
-    /// The amplification that says how long the chunks of these streams may be.
+    /// The amplification that limits the chunks of these streams.
     pub(in crate::render::gpu) chunked_for: &'static Amplification,
     pub(in crate::render::gpu) cull_back_faces: bool,
     pub(in crate::render::gpu) passes: Passes,

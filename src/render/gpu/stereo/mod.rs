@@ -57,7 +57,7 @@ struct OnCard {
 }
 
 impl CardMatcher {
-    /// By the GPU of this context. Its programs are made when the first pair is matched.
+    /// A matcher on the GPU of this context. Its programs are made when the first pair is matched.
     pub fn new(context: Arc<Context>) -> Self {
         Self {
             context,

@@ -31,7 +31,7 @@ struct Counts {
 pub(in crate::render::gpu) struct VisibleCount {
     /// Points that might have been seen.
     pub(in crate::render::gpu) points: usize,
-    /// Those that were.
+    /// Visible points.
     pub(in crate::render::gpu) visible: usize,
 }
 

@@ -33,7 +33,7 @@ pub struct Described {
     pub hint: &'static str,
     /// Section of the panel it belongs to.
     pub section: Section,
-    /// When it has an effect.
+    /// Condition under which it has an effect.
     pub when: When,
     /// Representation in the label of a render mode.
     pub label: Label,
@@ -158,7 +158,7 @@ impl Described {
 pub enum Section {
     /// Size and shape of the primitives.
     Look,
-    /// By whom it is drawn, and how many pixels.
+    /// The renderer, and the number of pixels.
     Picture,
     /// Surfel settings.
     Surfels,
@@ -185,7 +185,7 @@ pub type When = fn(&dyn Conditions) -> bool;
 /// the window's title of it.
 #[derive(Debug, Clone, Copy)]
 pub enum Label {
-    /// It does not.
+    /// Not represented in the label.
     Untold,
     /// Always.
     Always(Place, &'static str),

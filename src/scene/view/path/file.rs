@@ -53,7 +53,7 @@ pub enum PathFileError {
     Keyframes {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         reason: PathError,
     },
 }

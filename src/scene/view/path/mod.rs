@@ -98,7 +98,7 @@ pub struct CameraPath {
 const MIN_STEP_S: f64 = 1e-6;
 
 impl CameraPath {
-    /// Most keyframes of a path.
+    /// Maximum number of keyframes of a path.
     pub const MAX_KEYFRAMES: usize = 100_000;
 
     /// A path through `keyframes`; `eases` lets the camera start and end at rest; frames play as they are written.

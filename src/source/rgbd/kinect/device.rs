@@ -233,7 +233,7 @@ mod tests {
         Device::of_json(json.to_string().as_bytes())
     }
 
-    /// By hand, from the table of the SDK: sizes of the sensor, the cropping, and half a pixel.
+    /// Values by hand, from the table of the SDK: sizes of the sensor, the cropping, and half a pixel.
     #[test]
     fn depth_camera_modes_are_parts_of_its_sensor() {
         let device = device(&json([4096, 3072])).unwrap();

@@ -196,7 +196,7 @@ impl Distinct {
     }
 }
 
-/// Says which point clouds next to a recording are not opened.
+/// Reports the point clouds next to a recording that are not opened.
 pub(super) fn note_of_clouds(folder: &Folder) -> Option<String> {
     let clouds: Vec<&str> = folder.clouds().into_iter().filter(|name| !is_known(name)).collect();
     let named: Vec<String> = clouds.iter().take(NAMED).map(|name| (*name).to_owned()).collect();

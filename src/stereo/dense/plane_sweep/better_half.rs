@@ -11,7 +11,7 @@ use fearless_simd::{Level, dispatch};
 #[derive(Debug)]
 pub(super) struct BetterHalf {
     width: usize,
-    /// The least of each pixel, then the next ones.
+    /// The smallest cost of each pixel, then the next ones.
     sorted: Vec<u8>,
     /// Number of views that show each pixel.
     counts: Vec<u8>,
@@ -88,7 +88,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// By sorting.
+    /// The expected means, by sorting.
     fn expected(costs: &[u8], beyond: u8) -> u8 {
         let mut seen: Vec<u32> = costs
             .iter()

@@ -33,7 +33,7 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use turned::{Other, Turned};
 
-/// Most planes.
+/// Maximum number of planes.
 const MAX_PLANES: usize = 1024;
 
 /// Lines of a task.
@@ -42,7 +42,7 @@ const LINES: usize = 4;
 /// Steps of progress while costs are worked out.
 const COST_STEPS: usize = 15;
 
-/// Most bytes of all costs, and of all other views.
+/// Maximum bytes of all costs, and of all other views.
 const MAX_BYTES: u64 = 2 << 30;
 
 /// Maximum number of other views: more would add nothing to the nearest.
@@ -63,7 +63,7 @@ pub struct PlaneSweep {
     pub planes: Option<usize>,
     /// Cost aggregation method.
     pub gathering: Gathering,
-    /// By how much all other planes have to cost more than the one that is taken, in percent.
+    /// Margin by which all other planes have to cost more than the chosen one, in percent.
     pub unique_percent: u16,
     /// Connected areas of fewer pixels are taken out.
     pub min_area_px: usize,
@@ -227,7 +227,7 @@ struct LineCosts<'a> {
     half: BetterHalf,
     /// Matching costs of one other view, for one plane.
     costs: Vec<u8>,
-    /// The least cost of each pixel beyond all borders, where no view sees it.
+    /// The smallest cost of each pixel beyond all borders, where no view sees it.
     beyond: Vec<u8>,
     means: Vec<u8>,
 }

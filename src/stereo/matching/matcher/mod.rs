@@ -14,7 +14,7 @@ use crate::stereo::StereoError;
 use std::fmt::Debug;
 use std::sync::{Arc, LazyLock};
 
-/// By how much the disparities of neighbours on one surface differ at most.
+/// Maximum difference of the disparities of neighbours on one surface.
 const SPECK_STEP_PX: f32 = 1.0;
 
 /// Cost aggregation method around a pixel.
@@ -35,7 +35,7 @@ pub enum Gathering {
 pub struct Matching {
     /// Cost aggregation method.
     pub gathering: Gathering,
-    /// By how much all other disparities have to cost more than the one that is taken, in percent.
+    /// Margin by which all other disparities have to cost more than the chosen one, in percent.
     pub unique_percent: u16,
     /// Subpixel disparity method.
     pub between: Between,

@@ -210,7 +210,7 @@ fn common_rotation(places: [DVec3; 2], poses: [DAffine3; 2]) -> Result<DMat3, St
     Ok(DMat3::from_cols(x, y, z).transpose())
 }
 
-/// Least and largest pixel that the image reaches to.
+/// Smallest and largest pixel that the image reaches.
 fn reach(homography: &DMat3, camera: &Camera) -> Result<[DVec2; 2], StereoError> {
     let [width, height] = camera.size_px().map(|side| f64::from(side) - 1.0);
     let mut min = DVec2::INFINITY;

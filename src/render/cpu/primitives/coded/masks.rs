@@ -67,7 +67,7 @@ pub(super) struct Mask {
 #[derive(Debug)]
 pub(super) struct Masks {
     weights: Vec<u8>,
-    /// By size, shape and place.
+    /// Masks by size, shape and place.
     footprints: Vec<Mask>,
     /// The first mask of each size.
     size_starts: [usize; SIZES],

@@ -1,9 +1,9 @@
 //! Surfels drawn straight from the byte code of an octree (Botsch et al. 2002).
 //!
-//! How it works: the tree is gone through once for blocks (`blocks.rs`); then each tile decodes the blocks that may
-//! touch it, level by level, adding the image of a vector for each node (`transform.rs`), looks up the normal as it is
-//! seen, its light and its class (`normals.rs`), drops points that face away before any division, moves it along its
-//! normal by its offset, and lays the mask of its shape, size and place (`footprints.rs`, `masks.rs`) on the pixels
+//! How it works: the tree is traversed once for blocks (`blocks.rs`); then each tile decodes the blocks that may touch
+//! it, level by level, adding the image of a vector for each node (`transform.rs`), looks up the normal as it is seen,
+//! its light and its class (`normals.rs`), drops points that face away before any division, moves it along its normal
+//! by its offset, and lays the mask of its shape, size and place (`footprints.rs`, `masks.rs`) on the pixels
 //! (`splat.rs`). ε-z accumulation and normalisation match the exact disks: depths pushed back by a radius, then
 //! weighted sums of splats not behind them.
 //!

@@ -18,7 +18,7 @@ use std::ops::Range;
 /// Points of a packet.
 pub(in crate::render::cpu) struct Points<'a> {
     pub(super) records: &'a [PointRecord],
-    /// Their radii, if somebody knows them.
+    /// Their radii, if known.
     pub(super) shapes: Option<&'a [ShapeRecord]>,
     /// Edges of the squares, or diameters of the disks.
     pub(super) size: PointSize,
