@@ -6,8 +6,8 @@
 //! - FLIP between two consecutive images measures the change that a viewer sees when one replaces the other. The same
 //!   is done with the truth, and the two are subtracted pixel by pixel. Where the truth is at rest this is the FLIP
 //!   between the images.
-//! - The difference of the difference images says by how much each channel changes too much or too little, without a
-//!   model of an observer.
+//! - The difference of the difference images measures by how much each channel changes too much or too little, without
+//!   a model of an observer.
 //!
 //! Both are means over the pixels that show the object in any of the four images; the background never changes.
 

@@ -40,7 +40,7 @@ pub(crate) fn give_back_freed_pages() {
 }
 
 /// Bytes of memory that this process may have: the machine's, or those of its control groups if they are fewer; `None`
-/// where the system does not say.
+/// if the system does not report it.
 pub(crate) fn machine_bytes() -> Option<u64> {
     // The same on every machine, so that findings are reproducible everywhere.
     if cfg!(fuzzing) {

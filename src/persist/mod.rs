@@ -29,7 +29,7 @@ pub(crate) fn cached_place_of(name: &str) -> Option<PathBuf> {
     directories::ProjectDirs::from("", "", "pointreel").map(|folders| folders.cache_dir().join(name))
 }
 
-/// The bytes of `file`; `None` if it is not there yet. `Err` says why it cannot be read.
+/// The bytes of `file`; `None` if it is not there yet. `Err` states why it cannot be read.
 pub(crate) fn read(file: &Path) -> Result<Option<Vec<u8>>, String> {
     let size = match fs::metadata(file) {
         Ok(metadata) if metadata.is_file() => metadata.len(),

@@ -206,7 +206,7 @@ impl Player {
         self.loader.note_drawn(points, picture_ms);
     }
 
-    /// Returns the frame rate recently achieved, in frames per second; `None` while paused or too early to say.
+    /// Returns the frame rate recently achieved, in frames per second; `None` while paused or too early to determine.
     pub fn fps_held(&self) -> Option<f64> {
         let (first, last) = (self.shown_at.front()?, self.shown_at.back()?);
         let elapsed = last.checked_sub(*first)?.as_secs_f64();
@@ -458,7 +458,7 @@ impl Player {
         }
     }
 
-    /// Asks the loader for the states of frames if they may have changed.
+    /// Queries the loader for the states of frames if they may have changed.
     pub fn refresh_runs(&mut self) {
         let revision = self.loader.revision();
         if self.runs_revision != Some(revision) {

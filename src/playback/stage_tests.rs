@@ -1,4 +1,4 @@
-//! In which stages a frame at rest comes, by a clock that the test turns.
+//! Stages in which a frame at rest arrives, by a clock that the test turns.
 
 use super::*;
 use crate::cloud::{Positions, RawCloud, even_places};

@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// Its name in messages.
 const NAME: &str = "memory";
 
-/// The bytes of a sequence file of `frames`, in groups as long as `options` say.
+/// The bytes of a sequence file of `frames`, in groups of the length in `options`.
 ///
 /// # Errors
 /// As of [`super::encode_group`].

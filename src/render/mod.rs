@@ -123,9 +123,9 @@ pub enum RenderError {
     /// An image larger than the adapter can make.
     #[error("a picture of {width}x{height} pixels is larger than the {max} of this adapter")]
     TooLarge {
-        /// Asked width.
+        /// Requested width.
         width: u32,
-        /// Asked height.
+        /// Requested height.
         height: u32,
         /// Largest edge.
         max: u32,

@@ -323,7 +323,7 @@ impl Scene {
         })
     }
 
-    /// [`PacketParams::point_spacing`] of a frame for a style, if that asks for it.
+    /// [`PacketParams::point_spacing`] of a frame for a style, if that requires it.
     fn point_spacing(&mut self, frame: &PreparedFrame, style: &Style) -> f32 {
         let is_of_points = style.primitive == Primitive::Point && style.points.sizing != PointSizing::Pixels;
         if !is_of_points && !style.has_screen_normals() {

@@ -288,7 +288,7 @@ impl Sequence {
         assumptions
     }
 
-    /// The frame rate of files whose times nothing says.
+    /// The frame rate of files without known times.
     fn assumed_fps(&self) -> Option<Assumption> {
         let is_file = |index| matches!(self.entry(index).content, FrameBytes::File(_));
         let is_read = !self.source.inputs().is_empty();

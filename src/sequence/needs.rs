@@ -13,7 +13,7 @@ pub struct Needs {
     pub ellipses: bool,
     /// The triangles of the file, where it has some.
     pub mesh: bool,
-    /// Levels of detail; those that are made of shapes only where `shapes` are asked for as well.
+    /// Levels of detail; those that are made of shapes only if `shapes` are requested as well.
     pub levels: Option<LevelsKey>,
     /// The colours of points and voxels.
     pub colors: Coloring,

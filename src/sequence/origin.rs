@@ -112,8 +112,8 @@ impl OriginFinder {
         })
     }
 
-    /// Takes the origin of `other` if that keeps the detail. Says nothing any more once the origin is decided, or for
-    /// the second time.
+    /// Takes the origin of `other` if that keeps the detail. Has no effect once the origin is decided, or for the
+    /// second time.
     pub(super) fn share(&self, other: Arc<dyn OriginFrames>) {
         if self.companion.set(other).is_err() {
             log::debug!("an origin is shared with one other sequence");

@@ -65,7 +65,7 @@ pub(super) fn points_on_scale(
     })
 }
 
-/// Records in the colours of `classes`, one a point.
+/// Records in the colours of `classes`, one per point.
 pub(super) fn points_in_class_colors(frame: &Frame, classes: &[f32]) -> Vec<PointRecord> {
     let mut table: Vec<[u8; 4]> = (0..CLASSES as i32).map(class_color).collect();
     table.push(NO_VALUE_COLOR);

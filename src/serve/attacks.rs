@@ -118,7 +118,7 @@ fn slow_clients_do_not_block_others() {
     let slow: Vec<TcpStream> = (0..MAX_CONNECTIONS + 8)
         .map(|number| {
             let mut stream = server.connect();
-            // Some say nothing, some start and never finish.
+            // Some send nothing, some start and never finish.
             if number % 2 == 0 {
                 let _ = stream.write_all(b"GET /a.reel HTTP/1.1\r\nX: ");
             }

@@ -176,7 +176,7 @@ impl Shared {
         Ok(())
     }
 
-    /// Answers one request; says whether the connection stays open.
+    /// Answers one request; returns true if the connection stays open.
     fn answer(&self, stream: &TcpStream, request: &Request, place: &Place) -> io::Result<bool> {
         let mut writer = SteadyWriter::new(stream, self.options.deadlines.answer);
         let (mut file, metadata) = match self.open() {

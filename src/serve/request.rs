@@ -15,7 +15,7 @@ pub(super) struct Request {
     pub(super) target: String,
     pub(super) range: Option<String>,
     pub(super) if_range: Option<String>,
-    /// The origin of the page that asks.
+    /// The origin of the requesting page.
     pub(super) origin: Option<String>,
     pub(super) keeps_open: bool,
 }

@@ -100,7 +100,8 @@ impl Source for AsReel {
     }
 }
 
-/// Frames that are no longer images: a file holds their points, and who took them can still be asked here.
+/// Frames that are no longer images: a file holds their points, and the cameras that took them are still available
+/// here.
 impl DepthImages for AsReel {
     fn sensor(&self, index: usize) -> Option<Sensor> {
         self.source.sensor(index)

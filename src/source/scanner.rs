@@ -101,7 +101,7 @@ impl LiveScanner {
         Self::open_within(input, options, progress, ClientDeadlines::default())
     }
 
-    /// [`LiveScanner::open`] where sensors are waited for as long as `deadlines` say.
+    /// [`LiveScanner::open`] with these `deadlines` for sensors.
     ///
     /// # Errors
     /// As of [`LiveScanner::open`].

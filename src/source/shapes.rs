@@ -136,7 +136,7 @@ impl Shape {
         }
     }
 
-    /// One point with its normal, or none where the surface has less area than its parameters say.
+    /// One point with its normal, or none where the surface has less area than by its parameters.
     fn draw(self, random: &mut Random) -> Option<(Vec3, Vec3)> {
         match self {
             Self::Sphere => {

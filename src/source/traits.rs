@@ -112,7 +112,7 @@ where
 pub struct About<'a> {
     /// Input paths that were opened; empty for inputs that are not files.
     pub inputs: &'a [PathBuf],
-    /// Frames per second, if the source says it and frames have no time stamps.
+    /// Frames per second, if the source states it and frames have no time stamps.
     pub fps: Option<f64>,
     /// The sequence file that was opened, as it is now.
     pub reel: Option<Arc<ReelFile>>,

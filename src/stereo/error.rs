@@ -109,7 +109,7 @@ pub enum StereoError {
         /// Number of views.
         views: usize,
     },
-    /// Somebody asked to stop.
+    /// Cancelled by the caller.
     #[error("depths were not made to the end: it was cancelled")]
     Cancelled,
 }

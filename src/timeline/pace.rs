@@ -152,7 +152,7 @@ mod tests {
     }
 
     proptest! {
-        /// The two questions are each other's inverse, and a walk step by step says the same.
+        /// The two questions are each other's inverse, and a walk step by step gives the same.
         #[test]
         fn steps_are_due_when_their_time_has_come(
             spacings_ms in prop::collection::vec(1u64..50, 1..12),

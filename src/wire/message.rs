@@ -26,7 +26,7 @@ pub enum Kind {
     Now,
     /// The answer to a ping.
     Pong,
-    /// The server says why there will be no more.
+    /// The server's reason why there will be no more.
     End,
     /// The client asks for the time.
     Ping,
@@ -34,7 +34,7 @@ pub enum Kind {
     Got,
     /// View of the client: it is sent the points visible in this view.
     View,
-    /// Something that a later version says: it is passed over.
+    /// A message of a later version: it is skipped.
     Other(u32),
 }
 

@@ -19,7 +19,7 @@ use glam::DAffine3;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
-/// Points that say how far away things are, in each set of a rig.
+/// Points that give distances, in each set of a rig.
 const MAX_POINTS: usize = 4096;
 
 /// Cameras of one world.

@@ -23,8 +23,8 @@ pub struct Photo {
     pub mask: Option<PathBuf>,
     /// Depth map information, if any.
     pub depth: Option<DepthFile>,
-    /// Depths between which all that it shows lies, in the unit of the world, where the format says that: the nearer
-    /// is above 0, the other one farther.
+    /// Depths between which all that it shows lies, in the unit of the world, if the format has it: the nearer is above
+    /// 0, the other one farther.
     pub depth_range: Option<[f64; 2]>,
 }
 

@@ -1,4 +1,4 @@
-//! Numbers that are not predicted, bit by bit, each in the context that its prediction says.
+//! Numbers that are not predicted, bit by bit, each in the context of its prediction.
 
 use crate::reel::coder::{BitCoder, BitModel, MagnitudeModel, RestModels};
 

@@ -1,4 +1,4 @@
-//! Part of a conversion: which of its frames a file has, so that parts that were written by several machines are
+//! Part of a conversion: the frames that a file has, so that parts that were written by several machines are
 //! concatenated in the right order.
 
 use super::bytes::{ByteReader, ByteWriter};

@@ -240,7 +240,7 @@ fn fill_exactly(schema: &Schema, columns: &[Vec<u32>], cloud: &mut RawCloud) {
     }
 }
 
-/// Puts points where they were in the file. Places that damaged bytes say twice or beyond the end are left alone.
+/// Puts points where they were in the file. Places that damaged bytes repeat or put beyond the end are left alone.
 pub(super) fn in_file_order(order: &[u32], cloud: &mut RawCloud) {
     let mut places = vec![u32::MAX; order.len()];
     for (point, &place) in (0u32..).zip(order) {

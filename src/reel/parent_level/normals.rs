@@ -43,7 +43,8 @@ const fn steps() -> [[i8; 2]; 256] {
     table
 }
 
-/// A node across a face that is so far from the parent, in thirds of a cell of the coarsest grid, says nothing.
+/// A node across a face that is so far from the parent, in thirds of a cell of the coarsest grid, carries no
+/// information.
 const FAR: i32 = 18;
 
 /// Parts of a third that places are interpolated in, and of a cell.

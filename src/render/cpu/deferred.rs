@@ -1,4 +1,4 @@
-//! Deferred shading on the CPU (`shaders/passes/shade.wgsl`): light falls on eight pixels of a tile at a time, when its
+//! Deferred shading on the CPU (`shaders/passes/shade.wgsl`): eight pixels of a tile are lit at a time, when its
 //! surface is blended. The lights: `scene/light/lights.rs`.
 
 use super::eight::{Vectors, lane_numbers};

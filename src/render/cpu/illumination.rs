@@ -1,5 +1,4 @@
-//! Illumination of surfaces, eight pixels at a time: which surfaces light falls on, and from where; shared by the
-//! shading models.
+//! Illumination of surfaces, eight pixels at a time: the lit surfaces, and the lamps; shared by the shading models.
 
 use super::eight::Vectors;
 use super::photos::Projected;

@@ -67,7 +67,7 @@ pub(super) struct EightSmall<'a, S: Simd> {
 pub(super) struct SmallSums {
     /// Weighted red, green, blue, and the weights.
     colors: Vec<[f32; 4]>,
-    /// Weighted normals and depths, where light falls on the blended surface.
+    /// Weighted normals and depths, if the blended surface is lit.
     surfaces: Vec<[f32; 4]>,
     /// The first row of the tile that was added to, and the one after the last.
     rows: [usize; 2],

@@ -55,8 +55,7 @@ pub(super) struct Tile {
     /// Red, green and blue from 0 to 1, times a weight where weights are summed up.
     pub(super) colors: [Vec<f32>; 3],
     pub(super) weight: Vec<f32>,
-    /// Normals along the axes of view space, and reversed depths, times a weight; where light falls on the blended
-    /// surface.
+    /// Normals along the axes of view space, and reversed depths, times a weight; if the blended surface is lit.
     pub(super) surfaces: [Vec<f32>; 4],
     /// The bits of the depth above 32 of colour, for points; and those from [`NOWHERE`] on.
     pub(super) keys: Vec<u64>,

@@ -89,7 +89,7 @@ pub(super) struct TriangleShading<'a> {
     /// Texture that colours are multiplied with, as with the light.
     pub(super) texture: Option<TextureOnTriangle<'a>>,
     pub(super) light: TriangleLight,
-    /// In view space, at the corners: where light falls on the finished surface.
+    /// In view space, at the corners: if the finished surface is lit.
     pub(super) normals: Option<[Vec3; 3]>,
 }
 

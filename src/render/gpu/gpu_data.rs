@@ -52,7 +52,7 @@ shared_struct! {
         first: u32,
         /// Number of records.
         count: u32,
-        /// From one record to the next; 0 where indices say which.
+        /// From one record to the next; 0 if indices select them.
         step: u32,
         /// On the second number of a record, which is a radius, unless it is 1.
         radius_factor: f32,

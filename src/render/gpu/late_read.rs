@@ -36,7 +36,7 @@ impl LateRead {
         self.state.load(Ordering::Acquire) == IDLE
     }
 
-    /// Asks for the first bytes of a buffer as they are after the commands so far; false if others are under way.
+    /// Requests the first bytes of a buffer as they are after the commands so far; false if others are under way.
     pub(super) fn ask(&self, encoder: &mut wgpu::CommandEncoder, from: &wgpu::Buffer, bytes: u64) -> bool {
         if !self.goes_on(IDLE, IN_FLIGHT) {
             return false;

@@ -22,7 +22,7 @@ const ENVIRONMENT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float
 pub(super) enum Precision {
     /// Half floats: every adapter blends them, and they hold a sum of some splats to a part in 2048.
     Half,
-    /// Many small splats a pixel do not stop to add up.
+    /// Many small splats per pixel still add up.
     Single,
 }
 
@@ -33,7 +33,7 @@ pub(in crate::render) enum Target {
     Picture,
     /// Cleared by the pass over records that draws into it.
     Sums,
-    /// Three textures, cleared in the same way: sums of colours, of normals and of nearnesses, which light falls on.
+    /// Three textures, cleared in the same way: sums of colours, of normals and of nearnesses, which are lit.
     Surfaces,
     /// Two textures with the view-dependent texturing result of each pixel, as colours and as normals.
     PhotoAnswers,

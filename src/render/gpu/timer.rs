@@ -84,7 +84,7 @@ impl Timer {
         })
     }
 
-    /// Asks for the result as well, which comes some time after the commands were submitted.
+    /// Requests the result as well, which comes some time after the commands were submitted.
     pub(super) fn end(&mut self, encoder: &mut wgpu::CommandEncoder) {
         let count = 2 * self.passes.len() as u32;
         if !std::mem::take(&mut self.recorded) || count == 0 {

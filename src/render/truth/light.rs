@@ -12,7 +12,7 @@ use glam::DVec3;
 const MIN_LOSS: f64 = 1e-6;
 
 impl TruthView {
-    /// Returns a colour (0 to 1) lit as the view says. Vectors in view space; the normal has unit length.
+    /// Returns a colour (0 to 1) lit by the view's settings. Vectors in view space; the normal has unit length.
     pub(super) fn lit(&self, color: DVec3, normal: DVec3, ray: DVec3) -> DVec3 {
         if let Some(physical) = &self.physical {
             let to_eye = -ray.normalize();

@@ -1,4 +1,4 @@
-//! Distances at which the sensor says something.
+//! Distances at which the sensor is reliable.
 
 use crate::rgbd::DepthImage;
 use rayon::prelude::*;

@@ -46,7 +46,7 @@ impl Label {
         followed.or(self.place)
     }
 
-    /// `text` as a label says it: one line without ends, cut after [`MAX_LABEL_CHARS`].
+    /// `text` as a label shows it: one line without ends, cut after [`MAX_LABEL_CHARS`].
     pub fn as_text(text: &str) -> String {
         let line = text.trim().chars().take(MAX_LABEL_CHARS);
         line.map(|letter| if letter.is_control() { ' ' } else { letter })

@@ -85,7 +85,7 @@ impl Legend {
     }
 }
 
-/// A field's name as a title, with its unit where the name says it: `gps_time` is "GPS time (s)".
+/// A field's name as a title, with its unit if the name has it: `gps_time` is "GPS time (s)".
 pub fn field_title(name: &str) -> String {
     let name = plain_field_name(name).replace('_', " ");
     if name.eq_ignore_ascii_case("gps time") || name.eq_ignore_ascii_case("gpstime") {

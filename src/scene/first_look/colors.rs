@@ -55,7 +55,7 @@ impl ColorGuess {
     }
 }
 
-/// Every source that a frame has, but for those that ask for more than a name.
+/// Every source that a frame has, except those that need more than a name.
 fn offered(frame: &Frame) -> Vec<ColorSource> {
     let fields = frame.scalar_fields().iter();
     let fields = fields.map(|field| ColorSource::Scalar(Some(FieldName::new(&field.name))));

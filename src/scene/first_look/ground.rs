@@ -27,7 +27,8 @@ pub(super) fn of_map_coordinates(bounds: &Aabb, zero: Vec3) -> Option<Up> {
     ))
 }
 
-/// The axes of a camera, where the normals of the file say that everything faces -Z: with Z up that would be a ceiling.
+/// The axes of a camera, if the normals of the file indicate that everything faces -Z: with Z up that would be a
+/// ceiling.
 pub(super) fn of_undersides(sample: &CloudSample, bounds: &Aabb) -> Option<Up> {
     /// Shares of normals within 60° of -Z and of +Z.
     const MIN_BELOW: f32 = 0.6;

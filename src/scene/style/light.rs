@@ -38,7 +38,7 @@ impl Lighting {
         }
     }
 
-    /// Returns true if shading is deferred: light falls on the blended surface, not on splats.
+    /// Returns true if shading is deferred: the blended surface is lit, not the splats.
     pub fn is_deferred(self) -> bool {
         matches!(self, Self::Lambert | Self::BlinnPhong | Self::Physical)
     }

@@ -93,7 +93,7 @@ pub struct Style<C = Coloring> {
 /// The style of a packet, whose records have their colours. Renderers know no other.
 pub type DrawSettings = Style<Painted>;
 
-/// Colours that are in the records of a packet, so that nothing is asked of frames any more.
+/// Colours that are in the records of a packet, so that frames are no longer queried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Painted;
 
@@ -327,14 +327,14 @@ impl<C: Copy> Style<C> {
         !self.draws_surfels() || self.surfels.splatting.has_depths()
     }
 
-    /// Returns true if light falls on the blended surface, which has a position.
+    /// Returns true if the blended surface, which has a position, is lit.
     pub fn is_shaded_with_distances(&self) -> bool {
         let shows_depths = self.draws_surfels() && self.surfels.splatting == Splatting::Visibility;
         self.is_lit_deferred() && self.leaves_depths() && !shows_depths
     }
 
-    /// Returns true if light falls on the blended surface and there are depths that describe its surroundings: points
-    /// are steps of the surface.
+    /// Returns true if the blended surface is lit and there are depths that describe its surroundings: points are steps
+    /// of the surface.
     pub fn is_shaded_with_depths(&self) -> bool {
         self.is_shaded_with_distances() && self.primitive != Primitive::Point
     }

@@ -8,10 +8,10 @@ use std::str::FromStr;
 /// Prefix of the line, its version included.
 const HEAD: &str = "pointreel view 1:";
 
-/// Fields of view that a text may ask for, degrees.
+/// Fields of view allowed in a text, degrees.
 const FOV_RANGE_DEG: std::ops::RangeInclusive<f64> = 1.0..=170.0;
 
-/// Distances that a text may ask for, scene units: those that f32 near planes can show.
+/// Distances allowed in a text, scene units: those that f32 near planes can show.
 const DISTANCE_RANGE: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
 
 /// Reasons why a text is not a view.

@@ -23,7 +23,7 @@ pub struct ScreenStats {
     pub points: usize,
     /// Visible points.
     pub visible: usize,
-    /// Milliseconds of telling them apart, if they were measured: on a GPU, by its own clock.
+    /// Milliseconds of the visibility test, if measured: on a GPU, by its own clock.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cull_ms: Option<f64>,
     /// Milliseconds of normals and radii, in the same way.

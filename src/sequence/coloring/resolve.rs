@@ -10,13 +10,13 @@ use crate::cloud::{Frame, MAX_SAMPLE, ScalarField, ValueKind, ValueSample, even_
 use glam::Vec3;
 use std::sync::Arc;
 
-/// Names of fields that say how much light came back, the best first.
+/// Names of fields for the intensity of returned light, the best first.
 const INTENSITIES: [&str; 3] = ["intensity", "reflectance", "reflectivity"];
 
 /// Names of fields that classify points.
 const CLASSES: [&str; 3] = ["classification", "class", "label"];
 
-/// Names of fields that say when a point was measured.
+/// Names of fields for the time of measurement of a point.
 const TIMES: [&str; 5] = ["gps_time", "gpstime", "time", "timestamp", "t"];
 
 /// Colour hints: knowledge of a sequence beyond its first frame, or wishes; guessed from that frame where it is `None`.

@@ -24,7 +24,7 @@ pub enum ColorSource {
     Height(HeightAxis),
     /// Distance of the point from somewhere, through a colour map.
     Distance(DistanceFrom),
-    /// The scalar field that says when a point was measured, through a colour map; without one as
+    /// The scalar field for the time of measurement of a point, through a colour map; without one as
     /// [`ColorSource::Scalar`].
     Time,
     /// The class of the point in its usual colour.
@@ -46,7 +46,7 @@ pub enum HeightAxis {
 /// From where distances are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum DistanceFrom {
-    /// The sensor, if the file says where it stood, else the origin of the file's coordinates.
+    /// The sensor, if the file has its position, else the origin of the file's coordinates.
     #[default]
     Sensor,
     /// A place in file coordinates.

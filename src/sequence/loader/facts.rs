@@ -74,8 +74,8 @@ impl Facts {
         }
     }
 
-    /// The facts of the first `frame_count` frames; losses and errors only of octrees that end as `stop` says, if it
-    /// says anything.
+    /// The facts of the first `frame_count` frames; losses and errors only of octrees that end as `stop` says, if it is
+    /// set.
     pub(super) fn of(&self, frame_count: usize, stop: Option<StopCriterion>) -> Vec<Option<FrameFacts>> {
         let facts = |index: usize| {
             let known = (*self.frames.get(index)?)?;

@@ -380,7 +380,7 @@ impl Queue {
     }
 
     /// Between decoding and preparing: the needs to prepare the frame of `job` for, now that it takes about `bytes`, or
-    /// `None` if it is no longer wanted. A worker that hears `None` drops the frame and calls [`Queue::cancel`].
+    /// `None` if it is no longer wanted. A worker that gets `None` drops the frame and calls [`Queue::cancel`].
     pub(super) fn still_wanted(&mut self, job: &Job, bytes: usize) -> Option<Needs> {
         if self.shutdown {
             return None;

@@ -1,4 +1,4 @@
-//! A loader whose threads are an abacus: jobs are taken as by workers, and take as long as a test says, by the test's
+//! A loader whose threads are an abacus: jobs are taken as by workers, and take the time set by a test, by the test's
 //! own clock.
 
 use super::worker::{Finished, finish, make};

@@ -111,7 +111,7 @@ pub(super) fn finish(shared: &Shared, index: usize, outcome: Result<Finished, Ar
         let needs = queue.needs.as_ref();
         needs.is_none_or(|needs| frame.satisfies(needs))
     };
-    // A single stage says little about how long the whole frame takes.
+    // A single stage indicates little about the time of the whole frame.
     if let Some(finished) = outcome.as_ref().ok().filter(|made| is_complete(&made.frame)) {
         queue.effort.note_made(&finished.made());
     }

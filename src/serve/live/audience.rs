@@ -179,7 +179,7 @@ impl Inside {
 }
 
 impl Audience {
-    /// Accepts a client. If all places are taken, one that has taken or said nothing for longer than `stuck` gives way.
+    /// Accepts a client. If all places are taken, one that has taken or sent nothing for longer than `stuck` gives way.
     pub(super) fn join(&self, client: &Arc<Client>, stuck: Duration) -> Joining {
         let mut inside = lock(&self.inside);
         if inside.is_over {
@@ -195,7 +195,7 @@ impl Audience {
         Joining::Joined
     }
 
-    /// Hangs up on one that has taken or said nothing for longer than `stuck`, if there is one.
+    /// Hangs up on one that has taken or sent nothing for longer than `stuck`, if there is one.
     pub(super) fn free_one(&self, stuck: Duration) {
         lock(&self.inside).give_way(stuck);
     }

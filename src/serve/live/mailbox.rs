@@ -15,7 +15,7 @@ use std::time::Duration;
 /// Frames that wait.
 pub(super) const MAX_FRAMES: usize = 2;
 
-/// Answers that wait: a client that asks more often is not answered.
+/// Answers that wait: a client that sends pings more often is not answered.
 const MAX_ANSWERS: usize = 8;
 
 /// Frames in flight to a client that acknowledges received ones.
@@ -59,7 +59,7 @@ impl Inside {
 }
 
 impl Mailbox {
-    /// Takes a frame; says whether another one was dropped for it.
+    /// Takes a frame; returns true if another one was dropped for it.
     pub(super) fn push(&self, frame: Arc<Outgoing>) -> bool {
         let mut inside = lock(&self.inside);
         let drops = inside.frames.len() >= MAX_FRAMES;

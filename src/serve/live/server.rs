@@ -136,7 +136,7 @@ impl LiveServer {
         })
     }
 
-    /// Waits for clients as long as these say.
+    /// Sets the deadlines for clients.
     #[must_use]
     pub fn with_deadlines(self, deadlines: ServerDeadlines) -> Self {
         Self { deadlines, ..self }
@@ -159,7 +159,7 @@ impl LiveServer {
         }
     }
 
-    /// True once all clients have said something.
+    /// True once all clients have sent a message.
     #[cfg(test)]
     pub(super) fn all_have_spoken(&self) -> bool {
         self.shared.audience.all_have_spoken()

@@ -225,7 +225,7 @@ fn camera_from_lidar(calibration: &Path) -> Option<DAffine3> {
     })
 }
 
-/// Files in `folder` whose names say that they are poses.
+/// Files in `folder` whose names mark them as poses.
 fn lists_in(folder: &Path) -> Vec<PathBuf> {
     const WORDS: [&str; 5] = ["pose", "traj", "odom", "groundtruth", "ground_truth"];
     const EXTENSIONS: [&str; 8] = ["txt", "csv", "tum", "json", "npy", "npz", "log", "g2o"];
@@ -280,7 +280,7 @@ fn read_list(list: &Path, entries: &[FrameEntry]) -> Result<(Poses, Option<Vec<D
     Ok((poses, times))
 }
 
-/// Rows of `x y z` with a quaternion whose order no header says.
+/// Rows of `x y z` with a quaternion whose order no header states.
 fn of_rows(rows: &[Vec<f64>]) -> Option<Result<Trajectory, String>> {
     let width = rows.first()?.len();
     if !rows.iter().all(|row| row.len() == width) {

@@ -80,7 +80,7 @@ enum Failure {
 }
 
 impl HttpFile {
-    /// Asks for the size of the file at `url`, which is read with at most this many bits per second.
+    /// Requests the size of the file at `url`, which is read with at most this many bits per second.
     ///
     /// # Errors
     /// No such file, no answer within `deadlines`, and servers that do not answer ranges.

@@ -1,7 +1,7 @@
 //! The connected thread: reads messages, and reconnects when no more arrive.
 //!
 //! An absent server is tried again after a tenth of a second, then after twice as long each time, up to five seconds.
-//! One that says nothing for [`ClientDeadlines::silence`] counts as gone, as servers send their time once per second;
+//! One that sends nothing for [`ClientDeadlines::silence`] counts as gone, as servers send their time once per second;
 //! so does one whose message comes more slowly than [`ClientDeadlines::transfer`] allows.
 
 use super::shared::Shared;
@@ -122,7 +122,7 @@ fn say(mut stream: &TcpStream, bytes: &[u8]) -> Result<(), WireError> {
     stream.write_all(bytes).map_err(WireError::Io)
 }
 
-/// Reads as long as the source is wanted and the server says something. Asks it for its time at intervals, and sends it
+/// Reads as long as the source is wanted and the server sends something. Requests its time at intervals, and sends it
 /// the view.
 struct Patient<'a> {
     stream: &'a TcpStream,

@@ -2,7 +2,7 @@
 //!
 //! **How it works.** One thread is connected, reads messages ([`crate::wire`]) and puts frames into a ring as they
 //! came; images and points are unpacked when the frame is requested. The ring has the newest seconds, up to a number of
-//! bytes: older frames are gone for good. A connection that breaks, or says nothing for
+//! bytes: older frames are gone for good. A connection that breaks, or is silent for
 //! [`ClientDeadlines::silence`](crate::deadlines::ClientDeadlines::silence), is re-established automatically. The
 //! stream can be written to a file as it arrives; the file has the bytes of the stream.
 

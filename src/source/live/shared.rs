@@ -111,7 +111,7 @@ impl Shared {
         lock(&self.link).clock.add(pong, now_ns);
     }
 
-    /// Takes a frame; says its number. `message` is its message, which is recorded.
+    /// Takes a frame; returns its number. `message` is its message, which is recorded.
     pub(super) fn frame(&self, message: Message) -> Result<Option<u64>, WireError> {
         let now = Instant::now();
         if message.kind.is_frame() {

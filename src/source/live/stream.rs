@@ -74,7 +74,7 @@ impl LiveStream {
         Self::open_within(input, options, progress, ClientDeadlines::default())
     }
 
-    /// [`LiveStream::open`] where the server is waited for as long as `deadlines` say.
+    /// [`LiveStream::open`] with these `deadlines` for the server.
     ///
     /// # Errors
     /// As of [`LiveStream::open`].

@@ -17,7 +17,7 @@ pub enum ConnectionChange {
     },
 }
 
-/// Looks at how a stream is doing, and says each change once.
+/// Watches the state of a stream, and reports each change once.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ConnectionWatch {
     /// Time when it was found broken.

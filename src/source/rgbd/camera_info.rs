@@ -7,7 +7,7 @@ use crate::io::recordings::recording::camera::{CameraInfo, Link};
 use crate::rgbd::Distortion;
 use glam::{DAffine3, DVec2};
 
-/// The camera of images of `topic`, which have `image_px` pixels, if that is known. Names of rectified images say so:
+/// The camera of images of `topic`, which have `image_px` pixels, if that is known. Names of rectified images show it:
 /// they have the lens of the projection, without distortion.
 pub(super) fn intrinsics(
     topic: &str,

@@ -444,7 +444,7 @@ fn no_camera(error: NoCamera, path: &Path, found: [u32; 2], calibration: &Calibr
     }
 }
 
-/// The numbers of a `.depth` file, which says nothing of its size.
+/// The numbers of a `.depth` file, which does not state its size.
 fn text_raster(path: &Path, bytes: &[u8], size_px: [u32; 2]) -> Result<Raster, RgbdError> {
     let wrong = |reason: String| RgbdError::Image {
         path: path.to_owned(),

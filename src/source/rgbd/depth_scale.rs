@@ -26,7 +26,7 @@ const KNOWN: [f64; 6] = [1000.0, 256.0, 4000.0, 5000.0, 6553.5, 10_000.0];
 /// Share of multiples above which numbers are multiples.
 const ALL: f64 = 0.98;
 
-/// Distinct numbers below which their multiples say nothing.
+/// Distinct numbers below which their multiples are inconclusive.
 const MIN_DISTINCT: usize = 64;
 
 /// Origin of a recording's depth units.
@@ -36,7 +36,7 @@ pub(super) enum Units {
     Certain,
     /// Recordings of this kind have them, unless the numbers speak against it.
     Usual(&'static str),
-    /// Nothing says it.
+    /// Nothing states it.
     Unknown,
 }
 

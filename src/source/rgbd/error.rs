@@ -115,7 +115,7 @@ pub enum RgbdError {
         /// Origin of the value.
         because: String,
     },
-    /// A file of a camera that says none.
+    /// A camera file without a camera.
     #[error(
         "{} does not tell a camera ({reason}): expected fx,fy,cx,cy, a matrix of 3 × 3 or 4 × 4 numbers, lines such as \
          `fx: 525.0`, the JSON of Open3D, Replica or `pointreel info --json`, or the XML of PCL",

@@ -33,7 +33,7 @@ pub(super) struct Merged {
     cells: Option<Cells>,
     /// Number of points merged into cells.
     joined: usize,
-    /// The requested size.
+    /// The requested edge of the cells, metres.
     edge_m: Option<f64>,
     max_points: usize,
     has_colors: bool,

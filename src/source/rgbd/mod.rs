@@ -71,7 +71,7 @@ pub(super) fn comes_before_photos(inputs: &[PathBuf], options: &OpenOptions) -> 
 /// The recording that `inputs` are; `None` for inputs of another kind.
 ///
 /// # Errors
-/// [`SequenceError::Rgbd`], once something says that it is a recording.
+/// [`SequenceError::Rgbd`], once it is identified as a recording.
 pub(super) fn open(inputs: &[PathBuf], options: &OpenOptions) -> Result<Option<Arc<dyn Source>>, SequenceError> {
     let found = RgbdRecording::open(inputs, options).map_err(|error| SequenceError::Rgbd(Box::new(error)))?;
     let Some(recording) = found else {

@@ -17,7 +17,7 @@ pub struct RgbdOptions {
     pub depth: Option<String>,
     /// Pattern of the names of colour images.
     pub color: Option<String>,
-    /// `fx,fy,cx,cy` in pixels, or a file that says them.
+    /// `fx,fy,cx,cy` in pixels, or a file that contains them.
     pub intrinsics: Option<String>,
     /// Units of the depth images that are a metre.
     pub depth_scale: Option<f64>,

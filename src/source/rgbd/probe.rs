@@ -20,7 +20,7 @@ const FILTERED_IMAGES: usize = 3;
 /// Numbers of an image that are looked at, about.
 const NUMBERS: usize = 20_000;
 
-/// Finds the units of depth images by their numbers, where no file says them.
+/// Finds the units of depth images by their numbers, where no file states them.
 pub(super) fn settle_units(found: &mut FoundRecording, options: &ReadOptions) {
     let (mut numbers, mut floats) = (Vec::new(), Vec::new());
     for index in spread(found.frames.len(), IMAGES) {

@@ -52,7 +52,7 @@ impl ReceivedFrames {
     }
 
     /// The cloud of `images` of frame `index`. `before` gives the images of earlier frames, as far as they are still
-    /// there; it is asked only if there is a temporal filter.
+    /// there; it is called only if there is a temporal filter.
     pub(in crate::source) fn cloud(
         &self,
         index: usize,

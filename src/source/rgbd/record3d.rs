@@ -27,7 +27,7 @@ use std::sync::Arc;
 use std::time::Duration;
 use zip::ZipArchive;
 
-/// Sizes of the depth images of versions that do not say it.
+/// Sizes of the depth images of versions that do not state it.
 const KNOWN_SIZES: [[u32; 2]; 3] = [[192, 256], [480, 640], [360, 640]];
 
 /// Metadata of an hour has fewer bytes.

@@ -29,7 +29,7 @@ impl Sizes {
         color_px: None,
     };
 
-    /// Looks at the first images of `found`. Cameras that do not say for which size they are get one.
+    /// Looks at the first images of `found`. Cameras that do not state their size get one.
     pub(super) fn learn(found: &mut FoundRecording, options: &ReadOptions) -> Self {
         let size_of = |image: &StoredImage| image.size_px(options);
         let first = Arc::clone(&found.frames[0].calibration);

@@ -53,7 +53,7 @@ pub(super) struct BlockImage {
     pub(super) path: Arc<Path>,
     /// The name of the track, for people.
     pub(super) track: Arc<str>,
-    /// As the track says it.
+    /// As stated by the track.
     pub(super) size_px: [u32; 2],
     pub(super) pixels: BlockPixels,
     pub(super) block: Block,
@@ -62,7 +62,7 @@ pub(super) struct BlockImage {
 /// Pixel format of the bytes in a block.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum BlockPixels {
-    /// An image as a file has it.
+    /// An image as stored in a file.
     File,
     /// Pixels in rows, by the names of ROS; the high byte of 16 bits comes first.
     Bare(&'static str),

@@ -225,7 +225,7 @@ impl RosRecording<'_> {
         MovingFrames::of(self.links(CameraMessage::StaticTransforms), moving)
     }
 
-    /// Units of depth images that are a metre, where a `RealSense` says it.
+    /// Units of depth images per metre, where a `RealSense` says it.
     fn units_per_metre(&self) -> Option<f64> {
         let is_unit = |topic: &&CameraTopic| {
             topic

@@ -96,8 +96,8 @@ pub(super) struct Small {
 }
 
 impl Dense {
-    /// The dense points of a set, in its coordinates, with colours. Says in `progress` how much is done, and stops soon
-    /// after that was cancelled.
+    /// The dense points of a set, in its coordinates, with colours. Reports to `progress`, and stops soon after that
+    /// was cancelled.
     ///
     /// # Errors
     /// [`DenseError`].

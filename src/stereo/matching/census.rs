@@ -84,7 +84,7 @@ impl CensusPair {
         }
     }
 
-    /// The costs that [`super::refine`] asks for. Precondition: pixel `at` of the image has a label `label`.
+    /// The costs that [`super::refine`] requests. Precondition: pixel `at` of the image has a label `label`.
     pub(in crate::stereo) fn around(&self, at: usize, label: usize) -> Around {
         let width = self.size[0];
         let (line, x) = (at - at % width, at % width);

@@ -34,7 +34,7 @@ pub(in crate::stereo) struct Volume {
 }
 
 impl Volume {
-    /// The costs that [`super::refine`] asks for. Precondition: pixel `at` has a label `label`.
+    /// The costs that [`super::refine`] requests. Precondition: pixel `at` has a label `label`.
     pub(in crate::stereo) fn around(&self, at: usize, label: usize) -> Around {
         let costs = &self.costs[at * self.count..(at + 1) * self.count];
         let cost = |neighbor: usize| {

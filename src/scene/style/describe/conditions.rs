@@ -35,7 +35,7 @@ pub trait Conditions {
     fn is_drawn_on_gpu(&self) -> bool;
     /// True if the content can be lit: surfels, voxels, triangles, or points with normals.
     fn is_lit(&self) -> bool;
-    /// True if light falls on the blended surface.
+    /// True if the blended surface is lit.
     fn is_lit_deferred(&self) -> bool;
     /// True if it falls on a material, and from an environment.
     fn is_lit_physically(&self) -> bool;

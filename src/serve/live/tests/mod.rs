@@ -467,7 +467,7 @@ fn a_received_stream_can_be_recorded_and_reopened() {
         assert!(number >= first + index as u64);
         assert_eq!(decoded(&*recorded, index), cloud((number % 5) as f32, 40));
     }
-    // A truncated file has the complete frames, and says where it ends.
+    // A truncated file has the complete frames, and reports its end.
     let whole = std::fs::read(&path).unwrap();
     let cut = folder.path().join("cut.pointreel-stream");
     std::fs::write(&cut, &whole[..whole.len() - 100]).unwrap();

@@ -20,7 +20,7 @@ use std::path::PathBuf;
 
 pub(super) const LAYOUT: Layout = Layout::new("transforms.json with depth images", find);
 
-/// Units of whole numbers that are a metre, unless the file says otherwise.
+/// Units of whole numbers per metre, unless the file says otherwise.
 const UNITS_PER_METRE: f64 = 1000.0;
 
 /// Returns true if the frames of `transforms.json` in `folder` have depth images.

@@ -37,7 +37,7 @@ pub(super) const UNSEEN_COST: u8 = u8::MAX;
 /// at infinity is used instead.
 const MIN_SCALE: f32 = 0.2;
 
-/// Bits of a step from place to place that are behind the point.
+/// Fractional bits of a step from place to place.
 const FRACTION: u32 = 16;
 
 const ONE: f64 = (1_u64 << FRACTION) as f64;

@@ -120,7 +120,7 @@ fn add(sums: &mut [f32; LANES], weight: &[f32; LANES], value: f32) {
     }
 }
 
-/// Between two numbers; `f32::clamp` asks whether they are in order.
+/// Between two numbers; `f32::clamp` tests if they are in order.
 #[inline(always)]
 fn clamped(value: f32, low: f32, high: f32) -> f32 {
     let value = if value > high { high } else { value };
