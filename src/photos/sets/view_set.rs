@@ -1,7 +1,7 @@
 //! Calibrated images of one scene with its sparse points, and measurements on them.
 //!
 //! *Angles between views.* Views are weighted by the angle between two directions from a point of the surface (Yang et
-//! al. 2006 , section 3.2). Here the point is the centre of the scene in an image: the median of the points in its
+//! al. 2006, section 3.2). Here the point is the centre of the scene in an image: the median of the points in its
 //! tracks; if a format has no tracks, the point closest to the optical axes of all cameras.
 
 use super::photo::Photo;

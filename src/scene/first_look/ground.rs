@@ -3,7 +3,7 @@
 //! **How it works.** Each rule looks at one thing that surveying or a camera makes:
 //!
 //! - *Map coordinates.* Eastings and northings are large numbers, elevations are not.
-//! - *Undersides alone.* A scan seldom has only surfaces facing down: a camera that looks along +Z saw it.
+//! - *Undersides alone.* Surfaces facing down are seldom all of a scan: a camera that looks along +Z saw them.
 
 use super::sample::CloudSample;
 use super::up::{Up, along};

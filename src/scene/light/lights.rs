@@ -63,7 +63,7 @@ impl Lights {
     /// Specular exponent of Blinn 1977, which determines how small highlights are.
     pub const SHININESS: u32 = 32;
 
-    /// The first lamp, if it is far away, so that it has a shadow map.
+    /// The first lamp, if it is far away, so that its shadow can be determined.
     pub fn key(&self) -> Option<&Lamp> {
         self.lamps.first().filter(|lamp| lamp.is_on() && lamp.place.w == 0.0)
     }

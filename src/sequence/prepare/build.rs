@@ -45,7 +45,7 @@ pub(super) struct Build<'a> {
 }
 
 impl Build<'_> {
-    /// Makes the missing parts of `needs`.
+    /// Makes the missing parts that `needs` require.
     pub(super) fn finish(mut self, needs: &Needs) -> PreparedFrame {
         let same_colors = self.existing.filter(|existing| existing.is_painted_for(needs));
         let paint = match same_colors {

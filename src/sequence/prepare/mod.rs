@@ -1,7 +1,7 @@
 //! A frame made ready for an image: completed, coloured, packed into records, indexed; each only if it is needed.
 //!
-//! **How it works.** [`complete`] takes the existing parts and adds those missing from [`Needs`]. Every part is shared
-//! by an [`Arc`], and stays the same one as long as it is right:
+//! **How it works.** [`complete`] takes the existing parts and adds the missing ones that [`Needs`] require. Every part
+//! is shared by an [`Arc`], and stays the same one as long as it is right:
 //!
 //! | changed | decoded | estimated | rewritten |
 //! |---|---|---|---|
@@ -164,7 +164,7 @@ pub fn prepare_part(
     Ok(build.finish(needs))
 }
 
-/// Adds to `existing` the parts missing from `needs`; parts that are still right are the same `Arc`s.
+/// Adds to `existing` the missing parts that `needs` require; parts that are still right are the same `Arc`s.
 pub fn complete(existing: &PreparedFrame, needs: &Needs, counters: &PrepareCounters) -> PreparedFrame {
     complete_observed(existing, None, needs, counters, &Progress::default())
 }
