@@ -29,7 +29,7 @@ impl Ellipse {
     };
 
     /// The ellipse of which two half diameters are `p` and `q`, each parallel to the tangents at the ends of the other:
-    /// what a linear map makes of the half axes of an ellipse. A circle where it has no area.
+    /// the image of the half axes of an ellipse under a linear map. A circle where it has no area.
     pub fn of_conjugate_diameters(p: Vec3, q: Vec3) -> Self {
         // The squared length of p cos t + q sin t is its mean plus a wave of 2 t; its maximum is the longer half axis.
         let (mean, x, y) = (
@@ -153,7 +153,7 @@ mod tests {
             prop_assert_eq!(encode_ellipse(packed_normal, Ellipse { axis: -axis, ratio }), packed);
         }
 
-        /// The farthest and the nearest of many places on the rim are where the half axes end.
+        /// The farthest and the nearest of many places on the outline are the ends of the half axes.
         #[test]
         fn conjugate_diameters_and_semi_axes_describe_one_ellipse(
             p in prop::array::uniform3(-1.0f32..1.0),

@@ -50,7 +50,7 @@ impl LengthUnit {
         }
     }
 
-    /// The unit of so many metres.
+    /// The unit of this many metres.
     pub fn of_metres(metres: f64) -> Option<Self> {
         let units = [
             Self::Metre,

@@ -10,7 +10,7 @@
 //! **When it wins.** No nearest-neighbour search is run and no tree is built as for
 //! [`estimate_surface`](super::estimate_surface), and hidden points need no plane. So it is the method for frames that
 //! are seen once, such as those of a live camera. It loses where the view changes and the cloud does not, as it is
-//! repeated for each view, and where the image is coarser than the points.
+//! repeated for each view, and where pixels are larger than the point spacing.
 //!
 //! **What the paper leaves open.** The radius is three times the spacing of the points, and no less than two pixels, as
 //! there would be no neighbours from afar. Its window is never more than eight by eight cells, of a level of the
@@ -64,7 +64,7 @@ pub struct ScreenCloud {
     pub sensor: Option<Vec3>,
 }
 
-/// Finds visible points and their surface. It keeps its memory from picture to picture, and nothing else.
+/// Finds visible points and their surface. Keeps its buffers between images, and nothing else.
 #[derive(Debug, Default)]
 pub struct ScreenEstimator {
     picture: DepthPicture,

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 /// A view of a cloud, and the pixels of its picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScreenView {
-    /// From the axes of the cloud to those of the view: right, up, backward.
+    /// Rotation from the axes of the cloud to the view axes: right, up, backward.
     pub rotation: Mat3,
     /// The eye in the space of the cloud, rounded to f32.
     pub eye_high: Vec3,
@@ -33,7 +33,7 @@ pub(super) struct ScreenPoint {
     pub(super) place_px: [f32; 2],
 }
 
-/// The points that a picture shows.
+/// The points visible in an image.
 #[derive(Debug, Clone, Default)]
 pub struct Visible {
     /// Their places among all, ascending.

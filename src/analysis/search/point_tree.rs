@@ -98,7 +98,7 @@ impl NodeBox {
     }
 }
 
-/// A point in its slot, or on its way there: what fits one register of four.
+/// A point in its slot, or while it moves there: fits one register of four.
 #[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C, align(16))]
 pub(in crate::analysis) struct SlotPoint {
@@ -148,7 +148,7 @@ impl PointTree {
         }
     }
 
-    /// Gives back what only searches need, the larger half.
+    /// Frees the part that only searches need, the larger half.
     pub(in crate::analysis) fn forget_boxes(&mut self) {
         self.buckets = Vec::new();
         self.levels = Vec::new();

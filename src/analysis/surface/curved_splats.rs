@@ -9,8 +9,8 @@
 //! each at its height and turned to its slope. Half the radius has a quarter of the error.
 //!
 //! When it wins: on few points of a smooth surface, whose disks are large: in input images, outlines of an object are
-//! next to what is behind it. Many points have small disks; at creases, leaves and noise the neighbours disagree, and
-//! the disks stay as they are. After the quadrics of osculating jets (Cazals and Pouget 2005, *Estimating differential
+//! next to its background. Many points have small disks; at creases, leaves and noise the neighbours disagree, and the
+//! disks stay as they are. After the quadrics of osculating jets (Cazals and Pouget 2005, *Estimating differential
 //! quantities using polynomial fitting of osculating jets*), of degree two with the normal known.
 
 use crate::analysis::nearest_neighbours;
@@ -23,7 +23,7 @@ const NEIGHBOURS: usize = 12;
 /// Neighbours farther away than this many radii say nothing of the disk.
 const REACH: f32 = 4.0;
 
-/// Cosine between normals of what is one surface.
+/// Minimum cosine between normals of one surface.
 const SAME_SURFACE: f32 = 0.5;
 
 /// Thresholds of the turn of the normal from the centre of a disk to its edge, radians: below the first, the disk stays
@@ -119,7 +119,7 @@ struct Quadric {
 }
 
 impl Quadric {
-    /// That of a disk whose neighbours these are, if it bends it.
+    /// The quadric of a disk with these neighbours, if it bends the disk.
     fn of<'a>(disk: &Disk, around: impl Iterator<Item = &'a Disk>) -> Option<Self> {
         let normal = disk.normal;
         let across = normal.any_orthonormal_vector();
@@ -212,7 +212,7 @@ mod tests {
         }
     }
 
-    /// A tube of radius 0.3 along z, about [`SPACING`] apart, longer than what is looked at.
+    /// A tube of radius 0.3 along z, about [`SPACING`] apart, longer than the examined part.
     fn tube() -> Vec<Disk> {
         (0..40 * 19)
             .map(|at| {
@@ -242,7 +242,7 @@ mod tests {
             .collect()
     }
 
-    /// Rims of disks, which are what shows beyond outlines.
+    /// Points on the edges of disks, which show beyond outlines.
     fn rim(disk: &Disk) -> [Vec3; 8] {
         let across = disk.normal.any_orthonormal_vector();
         let axes = [across, disk.normal.cross(across)];
@@ -322,7 +322,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever the disks are, theirs are finite, no larger, and not farther from them than they reach.
+        /// For any disks, the resulting ones are finite, no larger, and within their reach.
         #[test]
         fn curved_splats_stay_within_their_disks(
             disks in prop::collection::vec(

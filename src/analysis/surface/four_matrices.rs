@@ -165,7 +165,7 @@ impl<S: Simd> FourMatrices<S> {
 
         let half_difference = (uu - vv) * 0.5;
         let radius = (half_difference * half_difference + uv * uv).sqrt();
-        // Of the two vectors, the one without cancellation.
+        // The one of the two vectors without cancellation.
         let is_first = half_difference.simd_ge(zero);
         let a = simd.select_f64x4(is_first, radius + half_difference, uv);
         let b = simd.select_f64x4(is_first, uv, radius - half_difference);

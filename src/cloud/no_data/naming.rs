@@ -74,7 +74,7 @@ impl<'a> Naming<'a> {
         values
     }
 
-    /// The name of a missing point, and whether it is that of a value that is known to stand for something.
+    /// The name of a missing point, and true if its value is a known no-data constant.
     fn value(&self, position: DVec3, present: &Extent) -> (String, bool) {
         let DVec3 { x, y, z } = position;
         if let Some(name) = self.limit(position) {
