@@ -1,8 +1,7 @@
-//! Messages of one kind: a hundred frames with the same fault are one thing to say, not a hundred.
+//! Messages of one kind: a hundred frames with the same fault are one message, not a hundred.
 //!
-//! Messages are made where something is found, by many hands, and name the file, the place in it and what stands there.
-//! Two of them are of one kind if they differ in nothing else: in numbers, in names of files, in what is quoted from a
-//! file.
+//! Messages are made where something is found, throughout the code, and name the file, the place in it and its content.
+//! Two of them are of one kind if they differ only in numbers, names of files and quotes from a file.
 
 /// Formats the frame number for user-facing messages: the position among all frames, as in the timeline, "frame 3 of
 /// 24". Options, names of files and JSON use its index, which counts from 0.

@@ -1,9 +1,9 @@
 //! Signals that ask the program to end: Ctrl+C (SIGINT), SIGTERM and SIGHUP.
 //!
-//! **How it works.** They are blocked in every thread but one, which waits for them; so no code runs inside of a signal
-//! handler, and a removal of files is an ordinary function call. At the first signal a command that can end well is
-//! asked to ([`on_first`]): it finishes what it is at. Any other command, and any command at the second signal, ends at
-//! once: temporary files are removed ([`temporary::remove_all`]) and the process dies by that signal, as shells and
+//! **How it works.** They are blocked in every thread but one, which waits for them; so no code runs inside a signal
+//! handler, and removing files is an ordinary function call. At the first signal a command that can end cleanly is
+//! asked to ([`on_first`]): it finishes the current step. Any other command, and any command at the second signal, ends
+//! at once: temporary files are removed ([`temporary::remove_all`]) and the process dies by that signal, as shells and
 //! service managers expect. A signal that was ignored when the program began (`nohup`, jobs in the background of
 //! scripts) stays ignored.
 
@@ -172,7 +172,7 @@ mod system {
         ctrlc::set_handler(|| receive(Signal::Interrupt)).map_err(io::Error::other)
     }
 
-    /// There are no signals to die by.
+    /// There are no signals on this system.
     pub(super) fn raise(_: Signal) {}
 }
 

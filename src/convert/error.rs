@@ -30,7 +30,7 @@ pub enum ConvertError {
     /// A sequence file cannot be written or read.
     #[error(transparent)]
     Reel(#[from] crate::reel::ReelError),
-    /// It would be written over what is read, or next to it.
+    /// The output would overwrite the input, or lie next to it.
     #[error(
         "the output {} is where the input {} is: nothing was written, choose another folder or name",
         path.display(),

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::Arc;
 
-/// Choices of reading; what is `None` or false is as usual.
+/// Reading options; `None` or false is the default.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Reading {
@@ -33,7 +33,7 @@ pub struct Reading {
     /// Points sampled from the faces of a mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sample: Option<NonZeroUsize>,
-    /// Columns of text and of files without a header: their number, or which is what.
+    /// Columns of text and of files without a header: their number, or their meanings.
     #[serde(
         skip_serializing_if = "Option::is_none",
         serialize_with = "write_columns",

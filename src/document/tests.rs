@@ -1,4 +1,4 @@
-//! Sessions written and read: nothing is lost, whatever is in them, and damage is told with its line.
+//! Sessions written and read: nothing is lost, whatever is in them, and damage is reported with its line.
 
 use super::*;
 use crate::cloud::NoData;

@@ -36,7 +36,7 @@ impl DocumentFolder {
         }
     }
 
-    /// Puts into `read` what was changed of it and not saved.
+    /// Restores the unsaved changes into `read`.
     pub fn restore(&self, read: &mut ReadSession) {
         let UnsavedPlace { file, base } = self.unsaved_place(&read.file, read.text_hash.clone());
         if !file.exists() {

@@ -70,10 +70,10 @@ impl VideoFormat {
     }
 }
 
-/// Opens the video that `output` names, in the format that its name says.
+/// Opens the video `output`, in the format of its name.
 ///
 /// # Errors
-/// What the format has not (sizes, rates, transparency), and what stands in the way of writing.
+/// Sizes, rates or transparency that the format lacks, and failures to write.
 pub fn open_sink(output: &Path, stream: &VideoStream) -> Result<Box<dyn FrameSink>, ExportError> {
     let format = VideoFormat::of_name(output)?;
     format.check(stream)?;

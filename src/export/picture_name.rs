@@ -1,4 +1,4 @@
-//! The format that the name of a still picture says, and what it cannot hold.
+//! The format by the name of a still image, and its limits.
 
 use super::error::ExportError;
 use super::picture::check_size;

@@ -66,7 +66,7 @@ impl DepthPicture {
         self.view.as_ref()
     }
 
-    /// Size of the picture with its margin.
+    /// Size of the image with its margin.
     pub(super) fn size_px(&self) -> [usize; 2] {
         let size = self.view.as_ref().map_or([0; 2], |view| view.size_px);
         size.map(|edge| edge as usize)

@@ -51,7 +51,7 @@ impl Flat {
         places.collect()
     }
 
-    /// The number of points of a grid, at random.
+    /// Random points, the same number as in a grid.
     fn at_random(&self) -> Vec<DVec3> {
         let [width, height] = self.along.map(DVec3::length);
         let count = (width * height / (SPACING * SPACING)) as u32;
@@ -83,7 +83,7 @@ fn cloud_of(places: impl IntoIterator<Item = DVec3>) -> Vec<PointRecord> {
     records(places.into_iter().map(DVec3::as_vec3))
 }
 
-/// The pixel of a point, if it is in the picture.
+/// The pixel of a point, if it is in the image.
 fn pixel_of(view: &ScreenView, point: &PointRecord) -> Option<[u32; 2]> {
     let place = view.see(point.position)?.place_px;
     let is_inside = place[0] >= 0.0 && place[1] >= 0.0 && place[0] < 1280.0 && place[1] < 960.0;

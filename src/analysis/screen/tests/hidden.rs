@@ -37,7 +37,7 @@ fn all(statements: impl IntoIterator<Item = Option<bool>>) -> Option<bool> {
 /// A point in an image: its depth, its pixel, and the place in this.
 type InPicture = (f64, [i64; 2], [f64; 2]);
 
-/// Points in a picture.
+/// Points in an image.
 struct Picture {
     points: Vec<Option<InPicture>>,
     /// The least depth of each pixel.
