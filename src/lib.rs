@@ -29,7 +29,7 @@
 //! | [`source`] | frame sources: files in order, recordings, shapes, streams |
 //! | [`timeline`] | schedule of the frames: the clock, its speed and the playback range |
 //! | [`sequence`] | frames prepared ahead of the playhead within a byte budget |
-//! | [`scene`] | camera, settings, the [`scene::ScenePacket`] that holds everything for one rendered frame, and picking of the content under its pixels |
+//! | [`scene`] | camera, settings, picking, the [`scene::ScenePacket`] with everything for one rendered frame |
 //! | [`composition`] | the stages from a frame to its scene packet: derived frames, images, levels |
 //! | [`document`] | the open document and everything created around it: session files, persisted state, undo |
 //! | [`playback`] | the playhead: the frame that is due, the frame that is shown, and its number of points |

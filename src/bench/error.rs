@@ -1,11 +1,11 @@
-//! Why there is no report.
+//! Errors of benchmark runs.
 
 use crate::measure::{SizeMismatch, SsimError, SurfaceMismatch};
 use crate::progress::Progress;
 use crate::render::RenderError;
 use crate::sequence::SequenceError;
 
-/// Why there is no report.
+/// Errors of benchmark runs.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum BenchError {
@@ -32,10 +32,10 @@ pub enum BenchError {
     /// An option is 0.
     #[error("the number of {0} must be at least 1")]
     ZeroOption(&'static str),
-    /// Two pictures of one run differ in size.
+    /// Two images of one run differ in size.
     #[error(transparent)]
     Compare(#[from] SizeMismatch),
-    /// A picture is too small for SSIM.
+    /// An image is too small for SSIM.
     #[error(transparent)]
     Ssim(#[from] SsimError),
     /// Depths that cannot be compared.

@@ -25,7 +25,7 @@ pub struct Modes {
 pub struct ParseModeError(String);
 
 impl Modes {
-    /// All ways of one renderer.
+    /// All modes of one renderer.
     pub fn of_renderer(renderer: RendererChoice) -> Self {
         Self {
             renderers: vec![renderer],

@@ -108,6 +108,6 @@ pub struct Finding {
     pub severity: Severity,
     /// Indices of the frames in which it is.
     pub frames: Vec<usize>,
-    /// Message that states what was found and what to do, in a sentence.
+    /// Message that states the finding and the remedy, in one sentence.
     pub message: String,
 }

@@ -26,7 +26,7 @@ pub struct Table {
 /// Summary of a sequence as a whole.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct SequenceSummary {
-    /// As named by who started the run.
+    /// Name given by the user who started the run.
     pub name: String,
     /// Frames it has.
     pub frames: usize,
@@ -34,7 +34,7 @@ pub struct SequenceSummary {
     pub measured_frames: usize,
     /// Mean number of points of these.
     pub mean_points: f64,
-    /// Coverage of all viewpoints of all of these, by what the suite draws; by surfels where it draws nothing.
+    /// Coverage of all viewpoints of all of these, by the suite's primitive; by surfels where it draws nothing.
     pub coverage: Option<Coverage>,
 }
 
@@ -43,7 +43,7 @@ pub struct SequenceSummary {
 pub struct Report {
     /// Options of the measurement.
     pub options: BenchOptions,
-    /// On what.
+    /// Hardware and build.
     pub environment: Environment,
     /// Each sequence in the order of the inputs.
     pub sequences: Vec<SequenceSummary>,
@@ -53,7 +53,7 @@ pub struct Report {
     pub notes: Vec<String>,
     /// Compared render modes, one per row; empty for suites that compare none.
     pub points: Vec<LabPoint>,
-    /// The ways to keep frames that were compared, one a row; empty for suites that compare none.
+    /// The compared encodings of frames, one per row; empty for suites that compare none.
     pub rates: Vec<RatePoint>,
 }
 
@@ -114,7 +114,7 @@ impl Report {
         }
     }
 
-    /// The instancing strategy whose picture took the least time, and that time in milliseconds: the mean of the
+    /// The instancing strategy whose image took the least time, and that time in milliseconds: the mean of the
     /// sequences, where strategies were compared. `None` where there was only one.
     pub fn fastest_strategy(&self) -> Option<(Strategy, f64)> {
         let mean_ms = |strategy: &Strategy| {
@@ -163,7 +163,7 @@ impl Report {
             .collect()
     }
 
-    /// Rows as CSV under the keys of all columns; what is the same for all rows comes first.
+    /// Rows as CSV under the keys of all columns; values common to all rows come first.
     pub fn to_csv(&self) -> String {
         let [width, height] = self.options.viewport_px;
         let mut writer = csv::Writer::from_writer(Vec::new());

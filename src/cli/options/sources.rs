@@ -13,7 +13,7 @@ const BEGIN_BYTES: u64 = 64;
 /// Kind of an output, in so far as the file that it replaces must be of that kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::cli) enum OutputKind {
-    /// A picture, or a video.
+    /// An image, or a video.
     Picture,
     /// A JSON text.
     Json,

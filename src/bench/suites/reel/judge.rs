@@ -107,7 +107,7 @@ impl Judge {
         Ok(prepare(self.index, Arc::new(frame), 0.0, &needs, &counters))
     }
 
-    /// The picture, and which pixels show something of the cloud.
+    /// The image, and a mask of the pixels that show the cloud.
     fn drawn(&mut self, frame: &PreparedFrame, camera: &Camera) -> Result<(RgbaImage, Vec<bool>), BenchError> {
         let mut scene = Scene::default();
         let view = PictureView {
