@@ -1,4 +1,4 @@
-//! Combinations of keys, and what the mouse does.
+//! Key combinations and mouse gestures.
 
 use egui::{Key, Modifiers};
 

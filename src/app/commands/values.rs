@@ -232,7 +232,7 @@ fn speed_of(speed: f64) -> Offer {
     Offer::new(format!("Speed {speed} ×"), speed.to_string()).also(also)
 }
 
-/// Offers of what was opened recently: single files and folders.
+/// Offers of recently opened inputs: single files and folders.
 fn recent(state: &State, text: &str, also: &'static [&'static str]) -> Vec<Offer> {
     let single = state.stored.recent.entries().iter().filter(|inputs| inputs.len() == 1);
     let offer = |inputs: &Vec<PathBuf>| {

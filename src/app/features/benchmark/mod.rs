@@ -20,7 +20,7 @@ use crate::scene::Strategy;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-/// As what a benchmark is written.
+/// File format of a benchmark report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ReportFormat {
     /// For programs.
@@ -76,7 +76,7 @@ pub struct BenchmarkTable {
     pub html: String,
     /// Render modes by time and error; most suites have none.
     pub points: Vec<Arc<LabPoint>>,
-    /// Ways to keep a frame by rate and distortion; most suites have none.
+    /// Encodings of a frame by rate and distortion; most suites have none.
     pub rates: Vec<Arc<RatePoint>>,
 }
 
@@ -97,7 +97,7 @@ pub enum Benchmark {
     Idle,
     /// One is running.
     Running(RunningBenchmark),
-    /// It was cancelled; what was measured before stays.
+    /// It was cancelled; earlier measurements stay.
     Cancelled(SoFar),
     /// It could not be finished.
     Failed(String, SoFar),
@@ -110,7 +110,7 @@ pub enum Benchmark {
 pub struct SoFar {
     /// Render modes by time and error.
     pub points: Vec<Arc<LabPoint>>,
-    /// Ways to keep a frame by rate and distortion.
+    /// Encodings of a frame by rate and distortion.
     pub rates: Vec<Arc<RatePoint>>,
 }
 
@@ -137,7 +137,7 @@ impl RunningBenchmark {
         lock(&self.points).clone()
     }
 
-    /// The ways to keep a frame whose rate and distortion are known.
+    /// The encodings of a frame with known rate and distortion.
     pub fn rates(&self) -> Vec<Arc<RatePoint>> {
         lock(&self.rates).clone()
     }
@@ -167,7 +167,7 @@ impl Benchmark {
         }
     }
 
-    /// The ways to keep a frame whose rate and distortion are known.
+    /// The encodings of a frame with known rate and distortion.
     pub fn rates(&self) -> Vec<Arc<RatePoint>> {
         match self {
             Self::Running(running) => running.rates(),
@@ -219,7 +219,7 @@ impl Benchmark {
         });
     }
 
-    /// Takes what the thread came to.
+    /// Takes the result of the thread.
     pub(in crate::app) fn finish(&mut self, BenchmarkEnded(result): BenchmarkEnded) {
         let cancelled = matches!(self, Self::Running(running) if running.work.progress().is_cancelled());
         let so_far = SoFar {

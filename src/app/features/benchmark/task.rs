@@ -36,7 +36,7 @@ pub(in crate::app) fn benchmark_job(
         // Without an adapter the CPU renderer is measured alone.
         let context = Context::headless(&ContextOptions::default()).ok();
         let options = bench::BenchOptions {
-            // What a software adapter draws nobody would choose.
+            // Modes of a software adapter are never a good choice.
             modes: if context.as_ref().is_none_or(|context| context.is_software()) {
                 bench::Modes::of_renderer(RendererChoice::Cpu)
             } else {

@@ -78,7 +78,7 @@ fn palette(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// All entries, for a query with this number: commands, what they offer, rows of the panel of settings, values of
+/// All entries, for a query with this number: commands, their offers, rows of the panel of settings, values of
 /// settings, panels.
 pub(super) fn entries(state: &State, number: Option<f64>) -> Vec<Entry> {
     let runs = commands().filter(|row| matches!(row.act, Act::Run(_)));

@@ -1,9 +1,9 @@
 //! View-dependent texturing of frames: frames with input images on them.
 //!
-//! How it works. To texture a frame, outliers are searched and splats are curved with the surface, then the depths that
-//! each image sees of it are rendered. All of it takes longer than rendering a frame, so it is done on threads: for
-//! what is drawn first, then for the frames that follow it. Until that is available, a frame is drawn in the colours of
-//! its points, or as it was before: of fewer points, with other images, or with smaller disks.
+//! How it works. To texture a frame, outliers are searched and splats are curved with the surface, then its depths from
+//! each image are rendered. All of it takes longer than rendering a frame, so it is done on threads: for the drawn
+//! frame first, then for the frames that follow it. Until that is available, a frame is drawn in the colours of its
+//! points, or as it was before: of fewer points, with other images, or with smaller disks.
 
 use crate::app::work::outcome::Message;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
@@ -17,7 +17,7 @@ use glam::DVec3;
 use rayon::ThreadPool;
 use std::sync::Arc;
 
-/// Frames that are kept, however large they are: the shown one, those ahead, and some to go back to.
+/// Number of cached frames, however large they are: the shown one, those ahead, and some to go back to.
 const RETAINED: usize = 6;
 
 /// Budget for keeping more frames, as long as all take no more than this together: a short multi-view video is played
@@ -153,8 +153,8 @@ impl TexturedFrames {
         })
     }
 
-    /// Returns the next parts to texture, if nothing is under way: what is drawn without, else the first of `following`
-    /// that is not available.
+    /// Returns the next parts to texture, if nothing is under way: the drawn ones if they lack it, else the first of
+    /// `following` that is not available.
     pub(super) fn next(&self, following: impl Iterator<Item = Parts>) -> Option<Parts> {
         if self.running.is_some() {
             return None;

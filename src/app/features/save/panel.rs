@@ -1,4 +1,4 @@
-//! As what the sequence is written, what that comes to, and where to.
+//! Format of the output, its estimate, and its location.
 
 use super::choices::{PrecisionKind, Save, SaveFormat};
 use super::plan::Savable;
