@@ -1,4 +1,4 @@
-//! Messages over the picture, at its lower left, and bars of long work below them.
+//! Messages over the image, at its lower left, and bars of long work below them.
 
 use crate::app::theme::GOOD;
 use crate::app::work::panel::work_ui;

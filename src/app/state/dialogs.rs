@@ -21,8 +21,8 @@ enum Picks {
 /// Callback that receives the chosen paths.
 type Answer<S> = Box<dyn FnOnce(&mut S, Vec<PathBuf>) + Send>;
 
-/// A dialog of a window with the state `S`: what it asks for, and what becomes of the answer. Who needs one makes it;
-/// nothing else lists them.
+/// A dialog of a window with the state `S`: its question, and the handling of the answer. Dialogs are created where
+/// needed and listed nowhere else.
 pub(in crate::app) struct Dialog<S> {
     title: &'static str,
     picks: Picks,

@@ -1,4 +1,4 @@
-//! The camera goes to what is pointed at, and moves by itself.
+//! Camera moves to the pointed-at position, and automatic motion.
 
 use super::{State, WindowRequest};
 use crate::app::motion::Glide;
@@ -27,7 +27,7 @@ impl State {
         true
     }
 
-    /// [`State::focus_at`] for what the pointer is over.
+    /// [`State::focus_at`] for the position of the pointer.
     pub(in crate::app) fn focus_at_pointer(&mut self) {
         if let Some(place) = self.viewport.pointer {
             self.focus_at(place);

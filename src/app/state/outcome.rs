@@ -33,9 +33,9 @@ pub struct FoundSequence {
 /// Why no frames were found.
 #[derive(Debug)]
 pub(in crate::app) enum NotFound {
-    /// Nobody wants them any more.
+    /// The request was cancelled.
     Cancelled,
-    /// There are none, and why; and the sequences of which one has to be chosen.
+    /// There are none, with the reason; and the sequences from which one has to be chosen.
     Because(String, Vec<OpeningChoice>),
     /// The session opens more than is allowed: a person is asked.
     Beyond(Beyond),

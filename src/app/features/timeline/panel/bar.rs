@@ -1,4 +1,4 @@
-//! The bar: what is in memory and what failed, the range that plays, the playhead.
+//! The bar: frames in memory and failed ones, the play range, the playhead.
 
 use super::cells::Cells;
 use super::context::TimelineContext;
@@ -153,8 +153,8 @@ pub(super) fn frame_tooltip(
     });
 }
 
-/// The number in the name of a frame, where it is another one than that of its place. A frame that is alone has none:
-/// its name has it already.
+/// The number in the name of a frame, where it differs from its position. A single frame has none: its name has it
+/// already.
 pub(super) fn own_number(sequence: &Sequence, frame: usize) -> Option<u64> {
     let number = sequence.entry(frame).number.filter(|_| sequence.len() > 1)?;
     (number != frame as u64 + 1).then_some(number)

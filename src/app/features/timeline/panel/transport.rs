@@ -16,7 +16,7 @@ use std::time::Duration;
 /// A window that is narrower has the row in two parts, points.
 const ONE_ROW_WIDTH: f32 = 860.0;
 
-/// Room from which on the name of the file is worth showing, points.
+/// Minimum width at which the name of the file is shown, points.
 const MIN_NAME_WIDTH: f32 = 60.0;
 
 /// A window that is lower has no row for the pace, points.
@@ -137,7 +137,7 @@ fn icon_button(ui: &mut Ui, icon: Icon, text: &str, command: Command, enabled: b
     response.on_hover_text(format!("{text} ({})", keys_of(command)))
 }
 
-/// Returns true if there is nothing to play: a single frame that stays the only one.
+/// Returns true if nothing can be played: a single frame that stays the only one.
 pub(super) fn is_still(player: &Player) -> bool {
     player.sequence().len() == 1 && !player.sequence().source().may_grow()
 }
