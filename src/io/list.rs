@@ -11,8 +11,7 @@ use std::io::Read as _;
 use std::path::Path;
 
 /// Lists the contents of the file at `path`; a file of one frame is not read beyond its first bytes. In a recording,
-/// the point clouds of `topic` are the frames: none if it has no such topic, those of the topic that has the most if
-/// `None`.
+/// the point clouds of `topic` are the frames: none if it has no such topic; if `None`, the topic with the most clouds.
 pub fn contents(path: &Path, topic: Option<&str>, options: &ReadOptions) -> Result<Contents, IoError> {
     match Format::detect(path, &first_bytes(path)?) {
         Some(format) => list_format(path, format, topic, options),

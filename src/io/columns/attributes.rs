@@ -1,4 +1,4 @@
-//! From named columns to a cloud: which name means what.
+//! From named columns to a cloud: the meanings of names.
 
 use super::column::Column;
 use crate::cloud::ScalarField;
@@ -86,7 +86,7 @@ pub(in crate::io) enum Colors {
 }
 
 impl Roles {
-    /// Fails when there are no coordinates.
+    /// Fails if there are no coordinates.
     pub(in crate::io) fn of(columns: &[Column<'_>]) -> Result<Self, Fault> {
         let find = |name: &str| columns.iter().position(|column| column.name.eq_ignore_ascii_case(name));
         let find_any = |names: &[&str]| names.iter().find_map(|name| find(name));
@@ -165,7 +165,7 @@ impl Roles {
     }
 }
 
-/// The place of a scalar among others: that of its name in the list.
+/// The rank of a scalar among others: the position of its name in the list.
 fn rank(name: &str) -> usize {
     let plain = plain_scalar_name(name);
     let known = SCALARS.iter().position(|known| *known == plain);
@@ -177,7 +177,7 @@ pub(in crate::io) fn sort_fields(fields: &mut [ScalarField]) {
     fields.sort_by_cached_key(|field| rank(&field.name));
 }
 
-/// The name of a scalar in small letters and without what `CloudCompare` writes before it.
+/// The name of a scalar in lower case and without the prefix of `CloudCompare`.
 pub(in crate::io) fn plain_scalar_name(name: &str) -> String {
     let mut name = name.to_ascii_lowercase();
     if name.len() > SCALAR_PREFIX.len() && name.starts_with(SCALAR_PREFIX) {

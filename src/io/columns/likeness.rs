@@ -1,4 +1,4 @@
-//! Numbers in rows that are no points: poses, and images or grids of values.
+//! Numbers in rows that are not points: poses, and images or grids of values.
 
 /// Rows whose values are looked at.
 const MAX_ROWS: usize = 1024;

@@ -32,7 +32,7 @@ impl<'a> Tokens<'a> {
     }
 
     /// The next token as a number, in one pass over its bytes; `None` behind the last one, the token itself where it is
-    /// no number.
+    /// not a number.
     #[inline]
     pub(in crate::io) fn next_number(&mut self) -> Option<Result<f64, &'a [u8]>> {
         let mut start = self.position;
@@ -55,7 +55,7 @@ impl<'a> Tokens<'a> {
         Some(parse_number(token).ok_or(token))
     }
 
-    /// Lines with something in them behind that of the last token.
+    /// Number of non-empty lines after the one of the last token.
     pub(in crate::io) fn lines_behind(&self) -> usize {
         let mut rest = self.clone();
         rest.skip_line();

@@ -1,7 +1,7 @@
 //! Draco: compressed point clouds and meshes, by the crate `draco-core`.
 //!
-//! The crate has ceilings for what a file may unpack to, and refuses memory that a file merely claims; a panic within
-//! it becomes an error.
+//! The crate limits the unpacked size of a file, and refuses memory that a file merely claims; a panic within it
+//! becomes an error.
 
 use crate::cloud::{Positions, RawCloud, ScalarField};
 use crate::io::columns::column::{Column, Scalar, Values};
@@ -148,7 +148,7 @@ fn columns(attribute: &PointAttribute, count: usize) -> Result<[Column<'static>;
     ])
 }
 
-/// One component of an attribute for every point, of which several may share a value.
+/// One component of an attribute for every point; several points may share a value.
 fn column(attribute: &PointAttribute, component: usize, count: usize) -> Result<Column<'static>, Fault> {
     let wrong = || Fault::header("the values of an attribute are not all there");
     let scalar = match attribute.data_type() {

@@ -1,7 +1,7 @@
 //! Broken faces of a mesh: their number, the reason for the first, and the position where the file ends within them.
 //!
 //! A few faces with vertices that do not exist are skipped, as are those after the end of a truncated file. Where many
-//! are broken, the faces belong to another file: then all are ignored, and the points are those of a cloud.
+//! are broken, the faces belong to another file: then all are ignored, and the points are a plain cloud.
 
 use crate::cloud::RawCloud;
 use crate::io::error::Fault;

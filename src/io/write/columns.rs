@@ -10,7 +10,7 @@ pub(super) struct WrittenColumn<'a> {
     data: Data<'a>,
 }
 
-/// Source of the numbers: arrays of vectors, of which one component is used, or of numbers.
+/// Source of the numbers: one component of an array of vectors, or an array of numbers.
 #[derive(Clone, Copy)]
 enum Data<'a> {
     Vectors32(&'a [[f32; 3]], usize),

@@ -1,5 +1,5 @@
-//! The fields that compressed points consist of, and who unpacks each: the crate `laz`, apart from GPS times and from
-//! the first field of layered points, which contains some (see [`super::gps_times`]).
+//! The fields that compressed points consist of, and their decoders: the crate `laz`, except for GPS times and the
+//! first field of layered points, which contains some (see [`super::gps_times`]).
 
 use super::gps_times::GpsTimes;
 use super::layered_point::LayeredPoint;

@@ -119,7 +119,7 @@ impl<'a> MovingSplats<'a> {
     }
 }
 
-/// Says so where fields of `cloud` are of splats that move in another way.
+/// Warns if fields of `cloud` belong to splats with an unsupported motion model.
 pub(super) fn warn_of_unknown(cloud: &mut RawCloud) {
     /// More is not read by anybody.
     const MAX_NAMED: usize = 3;

@@ -18,7 +18,7 @@ use crate::io::options::ReadOptions;
 use glam::Quat;
 use std::io::Cursor;
 
-/// Packed splats; other gzip files than those of its name are not.
+/// Packed splats; gzip files with another extension are not.
 pub(in crate::io) const FORMAT: Format = Format::new(&Traits {
     name: "SPZ",
     extensions: &["spz"],

@@ -1,4 +1,4 @@
-//! Columns without names: their number and their values tell what they are.
+//! Columns without names: their number and their values determine their meaning.
 //!
 //! | columns | meaning |
 //! |---|---|
@@ -150,7 +150,7 @@ fn is_unit_length(columns: &[Vec<f64>]) -> bool {
 mod tests {
     use super::*;
 
-    /// Names of the columns of `text`, a line of which is a point.
+    /// Names of the columns of `text`, with one point per line.
     fn names(text: &str) -> Vec<String> {
         let rows: Vec<Vec<f64>> = text
             .lines()

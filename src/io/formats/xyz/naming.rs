@@ -36,8 +36,8 @@ pub(super) struct Naming {
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl Naming {
-    /// Determines the naming of a table with at least one row; `width` is that of `head`, and rows follow lines that
-    /// count them if they are `counted`.
+    /// Determines the naming of a table with at least one row; `width` is the width of `head`, and rows follow lines
+    /// that count them if they are `counted`.
     pub(super) fn of(head: &Head, width: usize, map: Option<ColumnMap>, is_counted: bool) -> Result<Self, Fault> {
         let raw = head.header.as_ref().and_then(|header| aligned(header, head, width));
         if let Some(map) = map.filter(|map| !map.roles().is_empty()) {

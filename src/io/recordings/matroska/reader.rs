@@ -1,5 +1,5 @@
-//! The walk over a file. Segments, clusters and groups of blocks are gone into, so that it does not matter whether
-//! their lengths are known: an id says what an element is, wherever it stands.
+//! The walk over a file. Segments, clusters and groups of blocks are entered, so that their lengths need not be known:
+//! an id identifies an element, wherever it is.
 
 use super::super::recording::walk::Walk;
 use super::element::{Head, MAGIC, children, head, leading_number, text, unsigned};

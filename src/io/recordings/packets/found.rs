@@ -54,7 +54,7 @@ struct Sensor {
 struct Received<'a> {
     datagram: Datagram<'a>,
     time: Duration,
-    /// Byte offset of the record of its first fragment in the file, and that of its last one.
+    /// Byte offset of the record of its first fragment in the file, and of its last one.
     begin: u64,
     last: u64,
 }

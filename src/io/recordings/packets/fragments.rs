@@ -12,7 +12,7 @@ use etherparse::defrag::IpDefragBuf;
 use std::collections::{BTreeMap, VecDeque};
 use std::net::IpAddr;
 
-/// Scanners send one datagram after the other: as many as that wait only where pieces are lost, or from many scanners.
+/// LiDARs send one datagram after the other: this many are open only where pieces are lost, or from many LiDARs.
 const MAX_OPEN: usize = 32;
 
 /// Pieces of a datagram follow one another within a few packets; numbers are used again after 65,536 datagrams.
@@ -37,7 +37,7 @@ struct Open {
     pieces: IpDefragBuf,
 }
 
-/// Datagrams of which not all pieces have come.
+/// Incomplete datagrams.
 #[derive(Debug, Default)]
 pub(super) struct Fragments {
     /// The oldest first.
@@ -89,7 +89,7 @@ impl Fragments {
         }
     }
 
-    /// Datagrams of which pieces are missing at the end of the capture or before, by their sender.
+    /// Datagrams with missing pieces at the end of the capture or before, by their sender.
     pub(super) fn finish(mut self) -> BTreeMap<IpAddr, u64> {
         while !self.open.is_empty() {
             self.give_up(0);

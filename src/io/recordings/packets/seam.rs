@@ -1,9 +1,9 @@
 //! The azimuth at which revolutions are cut.
 //!
-//! **How it works.** A sensor may be told to measure in a window of azimuths only, such as 270 to 90 degrees across its
-//! front. Cut at azimuth 0, each frame would be the right half of one sweep and the left half of the next. So azimuths
-//! are collected at the beginning of a capture ([`Coverage`]); where a large part of the circle is never measured and
-//! azimuth 0 is not in it, revolutions are cut in its centre.
+//! **How it works.** A sensor may be configured to measure in a window of azimuths only, such as 270 to 90 degrees
+//! across its front. Cut at azimuth 0, each frame would be the right half of one sweep and the left half of the next.
+//! So azimuths are collected at the beginning of a capture ([`Coverage`]); where a large part of the circle is never
+//! measured and azimuth 0 is not in it, revolutions are cut in its centre.
 
 /// Azimuths are in hundredths of a degree.
 pub(super) const TURN: i32 = 36_000;

@@ -41,8 +41,7 @@ impl Encoding {
     }
 }
 
-/// The encoding of messages of type `kind`, if they are point clouds; names are those of ROS 1, of ROS 2 and of
-/// Foxglove.
+/// The encoding of messages of type `kind`, if they are point clouds; names are from ROS 1, ROS 2 and Foxglove.
 pub(super) fn encoding_of(kind: &str, encoding: &str) -> Option<Encoding> {
     match (kind, encoding) {
         ("sensor_msgs/PointCloud2" | "sensor_msgs/msg/PointCloud2", _) => {

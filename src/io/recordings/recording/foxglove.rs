@@ -100,7 +100,7 @@ pub(super) fn json_stamp(start: &[u8]) -> Option<Duration> {
     }
 }
 
-/// Zero is no time; before 1970, a number with a sign, is none either.
+/// Zero is not a time, nor is a negative number, before 1970.
 fn time_of(seconds: u64, nanos: u64) -> Option<Duration> {
     let is_time = i64::try_from(seconds).is_ok() && nanos < NANOS_PER_SECOND && (seconds, nanos) != (0, 0);
     is_time.then(|| Duration::new(seconds, nanos as u32))

@@ -34,7 +34,7 @@ impl Serialisation {
         }
     }
 
-    /// The fields of `message`, past what says how it is written.
+    /// The fields of `message`, after the encapsulation header.
     pub(super) fn body(self, message: &[u8]) -> Option<Bytes<'_>> {
         match self {
             Self::Ros1 => Some(Bytes::new(message)),

@@ -110,7 +110,7 @@ impl<'a> Cells<'a> {
         }
     }
 
-    /// The word in the next cell, without quotes; empty where there is nothing in it.
+    /// The word in the next cell, without quotes; empty for an empty cell.
     pub(super) fn word(&mut self) -> Option<&'a [u8]> {
         self.start()?;
         let rest = &self.line[self.at..];
@@ -163,7 +163,7 @@ pub(in crate::io) struct Lone {
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(in crate::io) struct Odd {
     pub(in crate::io) count: usize,
-    /// Its line and what is wrong with it.
+    /// Its line and its fault.
     pub(in crate::io) first: Option<(usize, String)>,
 }
 
@@ -208,7 +208,7 @@ pub(in crate::io) struct ParsedRows {
     /// Words where numbers are expected: they are missing.
     pub(super) odd_cells: Odd,
     pub(super) breaks: Vec<Break>,
-    /// Sorted words of the columns of text, up to [`MAX_WORDS`] and one more; what their cells hold are indices.
+    /// Sorted words of the columns of text, up to [`MAX_WORDS`] and one more; their cells hold indices.
     pub(super) words: Vec<Vec<String>>,
 }
 

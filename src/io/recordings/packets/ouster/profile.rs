@@ -36,7 +36,7 @@ const fn coarse_light(at: usize) -> Bits {
 }
 
 impl Bits {
-    /// The number in `pixel`, of which missing bytes are zero.
+    /// The number in `pixel`; missing bytes are zero.
     fn of(self, pixel: &[u8]) -> u32 {
         let bytes = pixel.iter().skip(self.at / 8).take(8).enumerate();
         let word = bytes.fold(0, |word, (index, &byte)| word | u64::from(byte) << (8 * index));
@@ -262,7 +262,7 @@ impl Profile {
         }
     }
 
-    /// The echoes of a pixel, which has as many bytes as one of the profile.
+    /// The echoes of a pixel, which has the size of the profile's pixels.
     pub(super) fn echoes(&self, pixel: &[u8]) -> [Option<Echo>; 2] {
         let echo = |at: &EchoBits| {
             let mut values = [0.0; MAX_VALUES];

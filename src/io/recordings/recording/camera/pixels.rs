@@ -11,7 +11,7 @@ enum Pixels {
     Gray8,
     Gray16,
     GrayF32,
-    /// So many bytes, and where among them red, green and blue are.
+    /// Bytes per pixel, and the offsets of red, green and blue.
     Colors(u64, [usize; 3]),
     Yuv(Yuv),
     Mosaic(Mosaic),
@@ -26,7 +26,7 @@ impl Pixels {
             "mono16" | "16uc1" => Self::Gray16,
             "32fc1" => Self::GrayF32,
             "rgb8" => Self::Colors(3, [0, 1, 2]),
-            // OpenCV's channel order is that of bgr8.
+            // OpenCV's channel order is the one of bgr8.
             "bgr8" | "8uc3" => Self::Colors(3, [2, 1, 0]),
             "rgba8" => Self::Colors(4, [0, 1, 2]),
             "bgra8" | "8uc4" => Self::Colors(4, [2, 1, 0]),
@@ -56,7 +56,7 @@ impl Pixels {
         }
     }
 
-    /// Lines of an image of so many pixels downwards.
+    /// Lines of an image of height `height`.
     fn lines(self, height: u32) -> u64 {
         match self {
             Self::Yuv(yuv) => yuv.lines(height),
@@ -91,7 +91,7 @@ pub(super) fn raster(image: &RawImage<'_>, max_bytes: u64) -> Result<Raster, Str
             image.step
         ));
     }
-    // The decoded image takes as many bytes as the message, or three for each of them.
+    // The decoded image takes the bytes of the message, or three times that.
     if there > max_bytes {
         return Err(format!(
             "it has {there} bytes, and {max_bytes} are read: raise --max-memory if that is right"

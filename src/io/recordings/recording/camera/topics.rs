@@ -1,4 +1,4 @@
-//! Topics of cameras, and what their messages are.
+//! Topics of cameras, and the kinds of their messages.
 
 use super::super::message::Message;
 use std::time::Duration;
