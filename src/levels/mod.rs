@@ -1,7 +1,7 @@
-//! Levels of detail: structures that choose, for a view, what stands for a cloud.
+//! Levels of detail: structures that choose the nodes that represent a cloud in a view.
 //!
-//! A structure implements [`Levels`]: it cuts itself for a view and writes the records of what the cut consists of.
-//! [`Lod`] is the policy that says how fine a cut is wanted, whatever the structure.
+//! A structure implements [`Levels`]: it cuts itself for a view and writes the records of the cut. [`Lod`] is the
+//! policy for the fineness of a cut, independent of the structure.
 
 mod cut;
 mod key;

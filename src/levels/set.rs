@@ -118,10 +118,10 @@ impl LevelsSet {
         }
     }
 
-    /// These levels with what is asked for, and what was built for it. The octree stays, as others are made from it;
-    /// what is made of it goes when nobody asks for it.
+    /// These levels with the requested structures, built where missing. The octree stays, as others are made from it;
+    /// structures made from it are dropped when no longer requested.
     ///
-    /// Precondition: what is there was made of `cloud`.
+    /// Precondition: the existing levels were made of `cloud`.
     #[must_use]
     pub fn completed(&self, key: Option<LevelsKey>, cloud: &CloudRecords<'_>) -> (Self, LevelsWork) {
         let mut work = LevelsWork::default();

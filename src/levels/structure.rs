@@ -5,9 +5,9 @@ use super::selection::{NodeRecords, Selection};
 use crate::cloud::{PointRecord, ShapeRecord, VoxelRecord};
 use std::fmt::Debug;
 
-/// Levels of detail of one cloud: which nodes stand for it in a view, and what is drawn for them.
+/// Levels of detail of one cloud: the nodes that represent it in a view, and their records.
 ///
-/// It is asked once for a picture, so that the loops within are compiled for the one structure.
+/// It is called once per image, so that its inner loops are compiled for the one structure.
 pub trait Levels: Debug + Send + Sync {
     /// The nodes that stand for the cloud in `view`: they cover every leaf that can be seen, none twice.
     fn cut(&self, view: &SelectView, hints: CutHints<'_>) -> Cut;
@@ -17,8 +17,8 @@ pub trait Levels: Debug + Send + Sync {
     fn write(&self, cut: &Cut, max_records: usize, buffers: RecordBuffers) -> Records;
 
     /// Selects the records of the cut as indices into persistent records, for renderers that keep these on the GPU.
-    /// `None` if there are no such records, or not yet: see [`Levels::write`]. Of `buffers`, only the memory for
-    /// indices is taken.
+    /// `None` if there are no such records, or not yet: see [`Levels::write`]. Only the memory for indices is taken
+    /// from `buffers`.
     fn select(&self, _cut: &Cut, _buffers: &mut RecordBuffers) -> Option<Records> {
         None
     }
@@ -35,11 +35,11 @@ pub trait Levels: Debug + Send + Sync {
     /// The cut of at most `max_nodes` nodes with the smallest LOD threshold from `view.lod_px` up, in steps of a 32nd
     /// of an octave (2 %).
     ///
-    /// Cells that the eye is in are always divided, so that around it some more are emitted than a very small number.
+    /// Cells that the eye is in are always divided, so that a very small number may be exceeded around it.
     ///
     /// How it works: a higher threshold never emits more, so thresholds are bisected. Counting is cheap compared with
-    /// drawing: it reads a byte for each point that is drawn. A cut before is only remembered for hysteresis where it
-    /// still fits: a threshold that emits at least three quarters of what is allowed stays.
+    /// drawing: it reads one byte for each drawn point. A previous cut is only used for hysteresis where it still fits:
+    /// a threshold that emits at least three quarters of what is allowed stays.
     fn cut_at_most(&self, max_nodes: usize, view: &SelectView, hints: CutHints<'_>) -> Cut {
         let cached = hints.before.map(Cut::lod_px);
         if let Some(lod_px) = cached.filter(|&lod_px| lod_px >= view.lod_px) {
@@ -89,14 +89,14 @@ pub struct LevelsSize {
 /// Records drawn for a cut, one for each node in the order of the cut.
 #[derive(Debug)]
 pub enum Records {
-    /// Disks: as many of both.
+    /// Disks: the same number of both.
     Surfels {
         /// Positions and colours.
         points: Vec<PointRecord>,
         /// Normals and radii.
         shapes: Vec<ShapeRecord>,
     },
-    /// Disks among those of all nodes, which are the same from cut to cut.
+    /// Disks selected from those of all nodes, which are the same from cut to cut.
     Selected {
         /// Records of all nodes.
         nodes: NodeRecords,
@@ -107,14 +107,14 @@ pub enum Records {
     Voxels {
         /// Cells and colours.
         voxels: Vec<VoxelRecord>,
-        /// As many records of which only the normals count, where light falls on them and not on faces.
+        /// The same number of records with only normals used, where these are lit instead of faces.
         normals: Option<Vec<ShapeRecord>>,
         /// Edge of the cube that is divided.
         cube_edge: f32,
     },
 }
 
-/// Memory for [`Records`], of pictures before; what is in it does not matter.
+/// Memory for [`Records`], reused from previous images; its contents do not matter.
 #[derive(Debug, Default)]
 pub struct RecordBuffers {
     /// For positions and colours.

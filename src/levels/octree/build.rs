@@ -1,14 +1,14 @@
 //! Building an octree from Morton codes (the 4D media paper §VI-A).
 //!
 //! How it works:
-//! 1. Points become 63-bit Morton codes, which are sorted. The points of any cell of any level now stand together.
+//! 1. Points become 63-bit Morton codes, which are sorted. The points of any cell of any level are now consecutive.
 //! 2. For each code the level at which it *parts* from the one before it is noted: it is the first point of its cell
 //!    there and on every deeper level. A histogram of these levels, summed up, counts the occupied cells of every
 //!    level, so one scan answers the stop criterion for all depths.
 //!
-//! That is all: nodes are read off the parting levels when they are asked for. Leaves on several levels are runs of
-//! points (`spacing.rs`); those of at most so many points, which the paper only compares with, are counted by going
-//! through the tree once.
+//! That is all: nodes are read off the parting levels when they are needed. Leaves on several levels are runs of points
+//! (`spacing.rs`); leaves with a maximum number of points, which the paper only compares with, are counted in one
+//! traversal of the tree.
 
 use super::sorted_points::SortedPoints;
 use super::stop::{Leaves, StopCriterion, level_of_loss};
@@ -19,14 +19,14 @@ use glam::Vec3;
 use std::sync::Arc;
 
 impl Octree {
-    /// Builds the octree of `positions` down to the level that `stop` asks for.
+    /// Builds the octree of `positions` down to the level that `stop` determines.
     ///
     /// Colours are averaged per cell on every level. No points make an octree without nodes; one point, or points that
-    /// all coincide, a root that is a leaf. The answer depends on the arguments alone. Points that stand in Morton
-    /// order already are not sorted again.
+    /// all coincide, a root that is a leaf. The result depends on the arguments alone. Points that are in Morton order
+    /// already are not sorted again.
     ///
     /// # Panics
-    /// Preconditions: finite positions, one colour a point, at most 2³¹ points.
+    /// Preconditions: finite positions, one colour per point, at most 2³¹ points.
     pub fn build(positions: &[Vec3], colors: &[[u8; 4]], stop: StopCriterion) -> Self {
         assert_eq!(positions.len(), colors.len(), "one colour for each point");
         // Enters the thread pool once, instead of for each parallel stage.
@@ -73,8 +73,8 @@ impl Octree {
         Self::with_leaves(cube, points, leaves)
     }
 
-    /// The tree of some points in a cube around them whose leaves are known. Precondition: runs of leaves are those of
-    /// a tree.
+    /// The tree of some points in a cube around them whose leaves are known. Precondition: runs of leaves are
+    /// consistent with a tree.
     pub(super) fn with_leaves(cube: Cube, points: Arc<SortedPoints>, leaves: Leaves) -> Self {
         let (level_counts, leaf_count) = match leaves {
             _ if points.len() == 0 => (Vec::new(), 0),

@@ -1,16 +1,16 @@
 //! The byte code of an octree: one mask byte for each internal node, breadth-first (the 4D media paper §VI-A).
 //!
-//! The bytes of a level say how many bytes the next level has, so the code needs no lengths, and any byte lost, added
-//! or emptied is noticed. What cannot be noticed is an octant moved within its byte.
+//! The bytes of a level determine the number of bytes of the next level, so the code needs no lengths, and any byte
+//! lost, added or emptied is detected. An octant moved within its byte cannot be detected.
 //!
-//! How it works: a level at a time, cells as *location codes*: a one, and below it the Morton code of the cell, three
-//! bits a level (the keys of Warren & Salmon 1993, A Parallel Hashed Oct-Tree N-Body Algorithm, §3.1). They name a cell
-//! of any level in one word: the root is 1, and a cell of level 21 fills all 64 bits.
+//! How it works: one level at a time, cells as *location codes*: a one, and below it the Morton code of the cell, three
+//! bits per level (the keys of Warren & Salmon 1993, A Parallel Hashed Oct-Tree N-Body Algorithm, §3.1). They name a
+//! cell of any level in one word: the root is 1, and a cell of level 21 fills all 64 bits.
 
 use super::{Octree, stop::Leaves};
 use crate::math::morton::{self, LEVELS};
 
-/// Why a byte code is not that of an octree.
+/// Errors of a byte code that is not an octree's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OctreeError {

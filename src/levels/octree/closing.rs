@@ -16,7 +16,7 @@ use super::stop::LeafRun;
 use crate::math::morton;
 use rayon::prelude::*;
 
-/// Times that cells are closed: holes of so many cells along each axis disappear at most.
+/// Number of closing passes: holes of up to this many cells along each axis disappear.
 const PASSES: usize = 3;
 
 /// Blocks that are worth handing to another thread.
@@ -254,7 +254,7 @@ impl LevelCells {
     }
 }
 
-/// Numbers of blocks by their places: open addressing with as many slots again as there are blocks, or more.
+/// Numbers of blocks by their positions: open addressing with at least twice as many slots as blocks.
 fn table_of(blocks: &[OccupancyBlock]) -> Vec<u32> {
     let slots = (2 * blocks.len()).next_power_of_two();
     let mut table = vec![0; slots];
@@ -296,8 +296,7 @@ const MORTON: [u8; 64] = {
     places
 };
 
-/// Returns the neighbour of a cell position in one of 27 directions, of which the central one is none; `None` below
-/// zero.
+/// Returns the neighbour of a cell position in one of 27 directions, excluding the central one; `None` below zero.
 pub(super) fn neighbour(place: [u32; 3], direction: usize) -> Option<[u32; 3]> {
     let [x, y, z] = STEPS.map(|step| (direction / step % 3) as i32 - 1);
     Some([

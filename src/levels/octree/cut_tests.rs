@@ -39,7 +39,7 @@ fn a_budget_is_used_to_within_one_threshold_step() {
     let view = view_from(Vec3::new(0.5, 2.0, 3.0), Vec3::ZERO, 0.5);
     let all = cut(&tree, &view, None).node_count();
     assert!(all > 10_000);
-    // Of the octants that the eye is in, all are divided.
+    // All octants that the eye is in are divided.
     for max_nodes in [8, 10, 300, 5000, all - 1, all, usize::MAX] {
         let best = tree.cut_at_most(max_nodes, &view, CutHints::default());
         let lod_px = best.lod_px();
@@ -84,9 +84,9 @@ fn a_small_move_back_and_forth_changes_no_level() {
     }
 }
 
-/// For any hints in addition to the view: no cell is drawn that a tenth more or less than the threshold forbids, each
-/// leaf in view is covered once, and every decision is the one that a cell by itself would make. The order is that of a
-/// plain traversal.
+/// For any hints in addition to the view: no cell is drawn that violates the threshold by more than a tenth, each leaf
+/// in view is covered once, and every decision is the same as for a cell by itself. The order is the same as in a plain
+/// traversal.
 #[test]
 fn cuts_match_visiting_cells_one_by_one() {
     let even = torus_surfels(4_000, 1);
@@ -129,7 +129,7 @@ fn cuts_match_visiting_cells_one_by_one() {
     assert!(cached > 20 && hidden > 100, "hints mattered: {cached} {hidden}");
 }
 
-/// Surfels of as many places on a torus, several points in each.
+/// Surfels of `places` positions on a torus, several points in each.
 fn torus_surfels(places: usize, points_per_place: usize) -> LodSurfels {
     let torus = test_shapes::torus(places, 0.4, &mut Random(31));
     surfels_of(&torus, points_per_place, StopCriterion::Depth(6))

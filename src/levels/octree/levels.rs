@@ -15,8 +15,8 @@ pub struct VoxelLevels {
 }
 
 impl Octree {
-    /// Replaces the contents of `out` by the voxels that stand for the cloud in `view`: those of [`Levels::cut`],
-    /// without those that close gaps.
+    /// Replaces the contents of `out` by the voxels that represent the cloud in `view`: those of [`Levels::cut`],
+    /// without gap-closing ones.
     pub fn select(&self, view: &SelectView, out: &mut Vec<VoxelRecord>) -> SelectStats {
         let cut = self.cut(view, CutHints::default());
         self.write_voxels(&cut, out);

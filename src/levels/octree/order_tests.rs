@@ -10,7 +10,7 @@ use std::collections::HashMap;
 /// Octants of the root, and theirs: cells of this level come in order.
 const LEVEL: u32 = 2;
 
-/// The cells of [`LEVEL`] in the order of what is drawn, each once.
+/// The cells of [`LEVEL`] in drawing order, each once.
 fn cells_in_order(tree: &Octree, view: &SelectView) -> Vec<[u32; 3]> {
     let mut voxels = Vec::new();
     tree.select(view, &mut voxels);
@@ -34,7 +34,7 @@ fn distance(tree: &Octree, eye: Vec3, level: u32, cell: [u32; 3]) -> f64 {
     nearest.distance(eye.as_dvec3())
 }
 
-/// Whatever a ray from the eye meets first comes first, so nothing comes after what it may hide.
+/// Cells are in the order in which rays from the eye meet them, so none comes after one that it may hide.
 #[test]
 fn potential_occluders_come_first() {
     let mut random = Random(12);

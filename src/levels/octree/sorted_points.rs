@@ -45,7 +45,7 @@ impl SortedPoints {
             let cells = cube.cells(positions);
             partings_in_order(&cells).map(|partings| (cells, partings))
         };
-        // Checking some of them first is usually enough.
+        // Checking some of them first mostly suffices.
         let some = &positions[..positions.len().min(1000)];
         if in_order(some).is_some()
             && let Some((cells, partings)) = in_order(positions)
@@ -84,7 +84,7 @@ impl SortedPoints {
         self.cells.len()
     }
 
-    /// Most bytes held in memory, with all voxels that may be kept.
+    /// Max bytes held in memory, with all voxels that may be cached.
     pub(super) fn byte_size(&self) -> usize {
         size_of::<Self>()
             + CachedLevels::<VoxelRecord>::max_bytes(self.coarse_levels(), self.len())

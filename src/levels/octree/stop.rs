@@ -25,8 +25,8 @@ pub enum StopCriterion {
     Loss(f32),
     /// All leaves on this level, at most 21.
     Depth(u32),
-    /// A cell is divided while it holds more than so many points (0 counts as 1), so leaves are on several levels: what
-    /// the paper's Fig. 5 shows the incoherent voxel sizes of.
+    /// A cell is divided while it holds more than this many points (0 counts as 1), so leaves are on several levels:
+    /// the incoherent voxel sizes of the paper's Fig. 5.
     PointsPerOctant(u32),
 }
 
@@ -52,13 +52,13 @@ pub(super) enum Leaves {
     OnLevel(u32),
     /// On several, which are known: runs of leaves in Morton order, the last ending with the last point.
     InRuns(Arc<[LeafRun]>),
-    /// Wherever a cell holds at most so many points.
+    /// Wherever a cell holds at most this many points.
     OfPoints(usize),
 }
 
 impl Leaves {
-    /// The level of all leaves that have one of some points; `None` if there are several, or they are not known.
-    /// Precondition: the points are those of a node that is a leaf or above the leaves, or some of them.
+    /// The common level of all leaves with one of some points; `None` if there are several, or they are not known.
+    /// Precondition: the points belong to a node that is a leaf or above the leaves.
     #[inline]
     pub(super) fn only_level(&self, points: &Range<usize>) -> Option<u32> {
         match self {

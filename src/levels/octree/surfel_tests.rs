@@ -1,4 +1,4 @@
-//! Surfels of nodes against sums over lists of points, and what faces away against every point of it.
+//! Surfels of nodes against sums over lists of points, and back-facing nodes against each of their points.
 
 use super::tests::{random_colors, view_from};
 use super::*;
@@ -110,7 +110,7 @@ fn normals_that_cancel_out_have_no_cone() {
     assert_eq!((level[1].point, level[1].shape), (points[2], shapes[2]));
 }
 
-/// Checks that the surfels of a cut are those of its nodes, and that leaves are their points; that only back-facing
+/// Checks that the surfels of a cut belong to its nodes, and that leaves are their points; that only back-facing
 /// surfels are culled, and most of them.
 #[test]
 fn only_back_facing_nodes_are_culled() {

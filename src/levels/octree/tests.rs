@@ -233,7 +233,7 @@ fn check_uneven_tree(positions: &[Vec3], max_points: u32) {
         .flat_map(|&(level, cell)| (0..=level).map(move |up| (level - up, cell.map(|index| index >> up))))
         .collect();
     assert_eq!(tree.node_count(), nodes.len());
-    // The mean colour of every leaf is that of its own points, whatever points are next to them in the order.
+    // The mean colour of every leaf is the mean of its own points, whatever points are next to them in the order.
     let sums = |level: u32| cells_by_brute_force(positions, &colors, level);
     let by_level: Vec<_> = (0..=tree.depth()).map(sums).collect();
     for voxel in &voxels {
@@ -261,7 +261,7 @@ fn leaves_hold_at_most_the_given_number_of_points() {
     check_uneven_tree(&[Vec3::ONE], 8);
 }
 
-/// Building for another stop criterion from what is there must give the tree that is built from nothing.
+/// Rebuilding for another stop criterion from an existing tree must give the same tree as building from scratch.
 #[test]
 fn changing_the_stop_criterion_matches_rebuilding() {
     use StopCriterion::{Depth, Loss, PointsPerOctant, Spacing};

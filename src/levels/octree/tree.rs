@@ -27,7 +27,7 @@ pub struct Octree {
 }
 
 impl PartialEq for Octree {
-    /// Trees of the same points are equal when they have the same nodes, whatever was asked for.
+    /// Trees of the same points are equal if they have the same nodes, whatever the stop criterion.
     fn eq(&self, other: &Self) -> bool {
         self.cube == other.cube
             && self.points == other.points
@@ -50,7 +50,7 @@ impl Octree {
 
     /// Nodes with children: *nodes* in the paper's Table III.
     pub fn internal_count(&self) -> usize {
-        // Internal nodes only: this is the only way the rows of Table III add up.
+        // Internal nodes only: only then do the rows of Table III add up.
         self.node_count() - self.leaf_count
     }
 
@@ -86,7 +86,7 @@ impl Octree {
         &self.level_counts
     }
 
-    /// Most bytes held in memory, voxels that may be kept and what is shared with other trees included.
+    /// Max bytes held in memory, including voxels that may be cached and data shared with other trees.
     pub fn byte_size(&self) -> usize {
         size_of::<Self>()
             + self.points.byte_size()

@@ -1,10 +1,10 @@
-//! The voxel of a node, worked out from its points when it is asked for.
+//! The voxel of a node, computed from its points when it is needed.
 //!
-//! How it works: the points of a node are a range in Morton order. Its cell is the upper part of the first one's; its
-//! colour the difference of two running sums over all points, divided by their number.
+//! How it works: the points of a node are a range in Morton order. Its cell is the upper part of the first one's code;
+//! its colour the difference of two running sums over all points, divided by their number.
 //!
-//! When it wins: of all nodes, one view shows a third (leaves only) or less, so a frame that is played and gone never
-//! pays for the others, and they need no memory. Of levels that are coarse enough for it, what is drawn again is kept
+//! When it wins: one view shows a third of all nodes (leaves only) or less, so a frame that is played once never pays
+//! for the others, and they need no memory. Repeatedly drawn levels that are coarse enough are cached
 //! (`cached_levels.rs`): reading the points of cells that have several each takes longer than copying.
 
 use super::color_sums::{ColorSum, MAX_SUMMED, field_of};
@@ -32,7 +32,7 @@ impl Octree {
         voxels
     }
 
-    /// Adds what stands for `node` at `level`. Recursion is bounded by the 21 levels.
+    /// Adds the nodes that represent `node` at `level`. Recursion is bounded by the 21 levels.
     fn cut_at(&self, level: u32, node: NodeRange, ranges: &mut Vec<NodeRange>) {
         if node.level == level || self.is_leaf(node.level, &node.points) {
             ranges.push(node);

@@ -1,9 +1,9 @@
-//! From ranges of nodes to what is drawn for each, whatever that is.
+//! From ranges of nodes to their drawn records, of any kind.
 //!
-//! How it works: the nodes of a range begin where parting levels say so. Sixty-four nodes of any levels are handed to a
-//! [`NodeWriter`] at a time, so that taking codes apart and dividing are SIMD instructions. Long lists of ranges are
-//! shared out among threads by their points; each part knows from a count of its nodes where its records go. Of levels
-//! that are kept, records are copied.
+//! How it works: the starts of the nodes of a range follow from the parting levels. Sixty-four nodes of any levels are
+//! handed to a [`NodeWriter`] at a time, so that taking codes apart and dividing are SIMD instructions. Long lists of
+//! ranges are distributed over threads by their points; a count of nodes gives the output position of each part.
+//! Records of cached levels are copied.
 
 use super::cached_levels::Cached;
 use super::partings::write_beginnings;
@@ -27,7 +27,7 @@ pub(super) struct Nodes<'a> {
     pub(super) levels: &'a [u32; BATCH],
 }
 
-/// Works out what stands for nodes.
+/// Computes the records of nodes.
 pub(super) trait NodeWriter: Sync {
     /// Record that represents one node.
     type Record: Copy + Send + Sync + Zeroable;
@@ -38,7 +38,7 @@ pub(super) trait NodeWriter: Sync {
 }
 
 impl SortedPoints {
-    /// Replaces the contents of `out` by what stands for the nodes of `ranges`, in their order.
+    /// Replaces the contents of `out` by the records of the nodes of `ranges`, in their order.
     pub(super) fn write_nodes<W: NodeWriter>(
         &self,
         ranges: &[NodeRange],
@@ -63,7 +63,7 @@ impl SortedPoints {
             .for_each(|(piece, out)| self.write_piece(piece, writer, cached, out));
     }
 
-    /// Writes to as many places as there are nodes.
+    /// Writes one record per node.
     fn write_piece<W: NodeWriter>(
         &self,
         piece: &[NodeRange],

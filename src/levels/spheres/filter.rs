@@ -48,7 +48,7 @@ pub(super) struct Tested {
 pub struct SequenceFilter {
     pub(super) rule: Rule,
     pub(super) tested: Tested,
-    /// Candidates that are no leaves: the first of the sequence.
+    /// Candidates that are not leaves: the first of the sequence.
     pub(super) inner_candidates: u32,
     /// The first leaves.
     pub(super) leaf_candidates: u32,
@@ -89,12 +89,12 @@ impl SequenceFilter {
         self.inner_candidates as usize + self.leaf_candidates as usize
     }
 
-    /// Returns true if there are no candidates to draw.
+    /// Returns true if no candidates are to be drawn.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Candidates that are no leaves, which are the first.
+    /// Candidates that are not leaves, which are the first.
     pub fn inner_candidates(&self) -> u32 {
         self.inner_candidates
     }

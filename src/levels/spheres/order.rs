@@ -1,4 +1,4 @@
-//! Nodes of a sequence, sorted by the radius that says how near they are drawn: `r_max`, that of their parents.
+//! Nodes of a sequence, sorted by the radius that determines their drawing distance: `r_max`, their parents'.
 
 use rayon::prelude::*;
 
@@ -21,7 +21,7 @@ fn descending_key(radius: f32, place: u32) -> u64 {
 }
 
 impl Order {
-    /// So many nodes, the largest first; of equals the first one is first.
+    /// `count` nodes, the largest first; equal ones in their original order.
     pub(super) fn of(count: usize, r_max: impl Fn(u32) -> f32 + Sync) -> Self {
         let mut keys: Vec<u64> = (0..count as u32)
             .into_par_iter()

@@ -2,13 +2,13 @@
 //! parents.
 //!
 //! How it works: `r_min = √A` is the distance at which a node is divided at an error of 1, and `r_max = r_min(parent) +
-//! |p − p(parent)|` that at which it is merged. Nodes are sorted by `r_max`; bisection finds the range `[lo, hi]` for
-//! the sphere around all, and of these a node is drawn where `r_min ≤ √τ·|p − v| ∧ r_max ≥ √τ·|p − v|`, with √τ the LOD
-//! threshold as an angle.
+//! |p − p(parent)|` the one at which it is merged. Nodes are sorted by `r_max`; bisection finds the range `[lo, hi]`
+//! for the sphere around all, and one of these nodes is drawn where `r_min ≤ √τ·|p − v| ∧ r_max ≥ √τ·|p − v|`, with √τ
+//! the LOD threshold as an angle.
 //!
 //! It is too conservative where thresholds are small: the error of a view scales `r_min`, but not the distance between
 //! a node and its parent, so many nodes are drawn whose parents are drawn as well. These are counted. Normals are not
-//! tested, so `f = 1`, but what is outside the frustum or faces away is dropped, node by node, as vertex programs do.
+//! tested, so `f = 1`, but nodes outside the frustum or facing away are dropped one by one, as by vertex programs.
 //!
 //! When it wins: never; it exists for comparison with the exact rule of [`super::sequential`].
 
@@ -40,7 +40,7 @@ pub(super) struct PrintedSequence {
     entries: Vec<Entry>,
     /// The least `r_min` of the entries up to each.
     min_r_min: Vec<f32>,
-    /// Nodes that are no leaves, in breadth-first order.
+    /// Nodes that are not leaves, in breadth-first order.
     inners: Vec<(Splat, Bounds)>,
     /// Around all.
     root: Sphere,

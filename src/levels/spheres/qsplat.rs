@@ -1,9 +1,9 @@
-//! QSplat: a tree of spheres of six bytes per node, decoded on the way (Rusinkiewicz and Levoy 2000).
+//! QSplat: a tree of spheres of six bytes per node, decoded during traversal (Rusinkiewicz and Levoy 2000).
 //!
-//! How it works: nodes stand in breadth-first order, siblings side by side, leaves as well. A group of siblings begins
-//! with a pointer to the children of its first that has any; those of the others follow there. A group of leaves alone
-//! has none, as stated in the parent. A sphere is encoded relative to that of its parent, so a cut keeps the spheres of
-//! its nodes. Everything of a node comes from its code, that of leaves too: positions, normals and colours are rounded.
+//! How it works: nodes are in breadth-first order, siblings side by side, including leaves. A group of siblings begins
+//! with a pointer to the children of its first node that has any; the others' children follow there. A group of leaves
+//! alone has none, as stated in the parent. A sphere is encoded relative to its parent's, so a cut stores the spheres
+//! of its nodes. All data of a node comes from its code, for leaves too: positions, normals and colours are rounded.
 //!
 //! When it wins: where memory is short. A point takes nine to ten bytes with all nodes above it.
 
@@ -164,7 +164,7 @@ impl QSplat {
         Records::Surfels { points, shapes }
     }
 
-    /// The place of a node among [`QSplat::node_records`]. Nodes are as many words apart at least.
+    /// The index of a node in [`QSplat::node_records`]. Nodes are at least this many words apart.
     pub(super) fn place_of(name: u32) -> u32 {
         name / NODE_WORDS as u32
     }

@@ -3,14 +3,14 @@
 //!
 //! A node covers `ε = f·A/d²` on the screen, where `A = πr²`, r is the maximum distance of the points below from its
 //! centre, `d` is the distance from the eye to the nearest point of its sphere, and `f = cos max(γ − θ − β, 0)` is the
-//! visible fraction of the disk: γ is the angle between its normal and the direction to the eye, θ half the opening of
+//! visible fraction of the disk: γ is the angle between its normal and the direction to the eye, θ the half-angle of
 //! its normal cone, and `sin β` is the radius of the sphere over the distance, which allows for the points away from
 //! its centre. A node is *small* if ε is at most the square of the LOD threshold, so that a threshold means a length in
-//! pixels whatever the metric. With edges instead ([`LodMetric::Edge`]), f is 1 and the square of the edge of the cube
-//! in a sphere with the radius r replaces A.
+//! pixels for any metric. With edges instead ([`LodMetric::Edge`]), f is 1 and the square of the edge of the cube in a
+//! sphere with the radius r replaces A.
 //!
-//! As bounds are nested (`bounds.rs`), nothing grows from parent to child: below a small node all are small, below one
-//! that is outside the frustum or faces away all are, too. So the result of a traversal from the root can be decided
+//! As bounds are nested (`bounds.rs`), nothing grows from parent to child: below a small node all are small, and below
+//! one that is outside the frustum or faces away, so are all. So the result of a traversal from the root can be decided
 //! per node, from itself and its parent alone: the nodes that are drawn are those that are small, or leaves, while
 //! their parents are not.
 
@@ -18,7 +18,7 @@ use super::bounds::Bounds;
 use crate::levels::cut::{CutHints, LodMetric, SelectView};
 use glam::{DVec3, DVec4, Vec4};
 
-/// Verdict on a node.
+/// Classification of a node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum NodeClass {
     /// Nothing of it can be seen.
@@ -44,7 +44,7 @@ pub(super) struct Rule {
     deepest_level: u32,
 }
 
-/// All that decides in a view. What was a single float before is one here.
+/// All inputs of the decision in a view; single floats where their sources are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RuleNumbers {
     /// Eye position that distances are measured from.
@@ -97,7 +97,7 @@ impl Rule {
         }
     }
 
-    /// Returns the verdict on a node that is not a leaf. `was_divided` returns whether the previous view divided it.
+    /// Returns the class of a node that is not a leaf. `was_divided` returns whether the previous view divided it.
     pub(super) fn node_class(&self, bounds: &Bounds, level: u32, was_divided: impl FnOnce() -> bool) -> NodeClass {
         let seen_share = self.seen_share(bounds);
         if self.is_dropped(bounds, seen_share) {
@@ -120,9 +120,9 @@ impl Rule {
         self.culls_back_faces && seen_share <= 0.0 || self.is_outside(bounds)
     }
 
-    /// Nodes below this one are small if their radius is at most so much; negative where none needs to be.
+    /// Nodes below this one are small if their radius is at most this; negative where none is guaranteed to be.
     ///
-    /// Nested bounds are no nearer and no more of them is seen, so nothing but their radius can make them larger.
+    /// Nested bounds are not nearer and do not show a larger fraction, so only their radius can make them larger.
     pub(super) fn small_radius_below(&self, bounds: &Bounds) -> f64 {
         let size_px2 = self.size_px2(bounds, self.seen_share(bounds));
         let small_px2 = self.threshold_px2 * (1.0 - self.band).powi(2);
@@ -193,5 +193,5 @@ impl Rule {
     }
 }
 
-/// A share that is more than what rounding in f64 comes to, and changes nothing else.
+/// A relative margin larger than rounding errors in f64, and too small to change anything else.
 const ROUNDING: f64 = 1e-6;

@@ -1,19 +1,18 @@
-//! Sequential point trees: sorted nodes, of which a view takes a prefix (Dachsbacher et al. 2003).
+//! Sequential point trees: sorted nodes; a view takes a prefix of them (Dachsbacher et al. 2003).
 //!
 //! How it works: a node can only be drawn while its parent is not small, so nodes are sorted by the radius of their
 //! parents, which is `r_max` at an error of 1. Bisection finds the number that may be drawn; each of these is then
-//! tested by itself (`rule.rs`), in the order of memory. Parents come before their children, and their results are read
-//! off. Leaves are points of the frame and are drawn as these if their parents are divided. Leaves of one parent follow
-//! each other, so CPUs test none of them.
+//! tested by itself (`rule.rs`), in the order of memory. Parents come before their children, and their results are
+//! looked up. Leaves are points of the frame and are drawn as points if their parents are divided. Leaves of one parent
+//! are consecutive, so CPUs test none of them.
 //!
-//! *One sequence* of the whole tree tests nodes in a prefix that does not know the frustum. *A hierarchy of sequences*
+//! *One sequence* of the whole tree tests nodes in a prefix that ignores the frustum. *A hierarchy of sequences*
 //! ([`HIERARCHY_POINTS`]; after Windisch et al. 2025) has one for each subtree of a few points: the nodes above are
-//! traversed, and only subtrees that are in view and divided are looked at, each with a prefix of its own.
+//! traversed, and only subtrees that are in view and divided are tested, each with its own prefix.
 //!
-//! There is no lower end of a range (Sainz and Pajarola 2004 §4.3): a node that is seen from its edge is small however
-//! large it is.
+//! There is no lower end of a range (Sainz and Pajarola 2004 §4.3): a node seen edge-on is small at any size.
 //!
-//! When it wins: where there is no time to descend, and on GPUs, which test a prefix by themselves (`filter.rs`).
+//! When it wins: where there is no time to descend, and on GPUs, which test a prefix themselves (`filter.rs`).
 
 use super::before::WasDivided;
 use super::bounds::Bounds;
@@ -48,7 +47,7 @@ pub(super) struct SequentialTree {
     uppers: Vec<Upper>,
 }
 
-/// A node that is no leaf.
+/// A node that is not a leaf.
 #[derive(Debug, Clone, Copy)]
 struct Inner {
     bounds: Bounds,
@@ -74,7 +73,7 @@ struct Upper {
 }
 
 impl SequentialTree {
-    /// Sequences of a tree, each of a subtree with at most so many points.
+    /// Sequences of a tree, each of a subtree with at most `max_points` points.
     pub(super) fn of(tree: &SphereTree, max_points: usize) -> Self {
         let uppers = upper_nodes(&tree.division, max_points);
         let sequences: Vec<Sequence> = uppers.par_iter().map(|upper| upper.sequence(tree)).collect();

@@ -6,7 +6,7 @@ use crate::levels::structure::{RecordBuffers, Records};
 use crate::math::Sphere;
 use rayon::prelude::*;
 
-/// The disk or ellipse of a node that is no leaf.
+/// The disk or ellipse of a node that is not a leaf.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Splat {
     center: [f32; 3],
@@ -28,7 +28,7 @@ impl Splat {
         }
     }
 
-    /// With what is not rounded of the normal and the colour.
+    /// The splat with unrounded normal and colour.
     pub(super) fn of(node: &Node) -> Self {
         Self {
             ellipse: node.ellipse,
@@ -51,7 +51,7 @@ impl Splat {
     }
 }
 
-/// The records of all of so many nodes.
+/// The records of all of `count` nodes.
 pub(super) fn all(
     node_count: usize,
     records: impl Fn(u32) -> (PointRecord, ShapeRecord) + Send + Sync,

@@ -1,26 +1,30 @@
 //! A cloud as the byte code of its octree, with attributes for every node: it is rendered directly from its stored form
 //! (Botsch et al. 2002).
 //!
-//! # Layout Nodes are numbered breadth-first: the root is 0, each level in Morton order. Node `i` above the deepest
-//! level has a byte, its occupied octants; the children of all nodes stand in the order of the bits, so the first child
-//! of `i` is one more than the bits before byte `i`. To find it without counting from the beginning, the number of bits
-//! before every 64th byte is kept (half a bit for a byte); the rest is eight population counts. A sequential walk over
-//! a level does not even need that.
+//! # Layout
+//!
+//! Nodes are numbered breadth-first: the root is 0, each level in Morton order. Node `i` above the deepest level has a
+//! byte, its occupied octants; the children of all nodes are in the order of the bits, so the first child of `i` is one
+//! more than the bits before byte `i`. To find it without counting from the beginning, the number of bits before every
+//! 64th byte is stored (half a bit per byte); the rest is eight population counts. A sequential walk over a level does
+//! not even need that.
 //!
 //! All nodes have attributes, leaves or not (the easiest solution of Botsch et al. 2002 §4.4, a third more of them). So
 //! the bytes of the upper levels, and the attributes that belong to them, are a coarser cloud, and any prefix of levels
 //! can be drawn.
 //!
-//! # Attributes Eight bytes per node: the normal as 17 bits of the refined octahedron (of which less may be used), the
-//! *offset*, 3 bits, along the normal from the centre of the cell to the surface (Botsch et al. 2002 §5.1), a radius
-//! and the cone of the normals below, 8 bits each, and a colour.
+//! # Attributes
 //!
-//! The paper needs no radius: its cells are as large as samples are far apart, and so are splats. Here the tree goes as
-//! deep as its stop criterion says, which is mostly deeper, and points may be irregular: a radius says what a node's
-//! splat has to cover.
+//! Eight bytes per node: the normal as 17 bits of the refined octahedron (fewer may be used), the *offset*, 3 bits,
+//! along the normal from the centre of the cell to the surface (Botsch et al. 2002 §5.1), a radius and the cone of the
+//! normals below, 8 bits each, and a colour.
 //!
-//! When it wins: a position costs some bits, and is had by adding one vector to that of the cell above; a node takes 8
-//! bytes, where the records of a surfel take 32. What it costs: positions are those of cells, moved along normals only.
+//! The paper needs no radius: its cells, and so its splats, are as large as the sample spacing. Here the depth of the
+//! tree follows from its stop criterion, which is mostly deeper, and points may be irregular: a radius gives the area
+//! that a node's splat has to cover.
+//!
+//! When it wins: a position costs some bits, and takes one vector addition to the cell above; a node takes 8 bytes,
+//! where the records of a surfel take 32. Its cost: positions are cell centres, moved along normals only.
 
 mod attributes;
 mod build;
@@ -69,8 +73,8 @@ pub struct CodedBits {
     /// The byte code. On a surface whose cells are as large as its samples are far apart, 2.67 at most (Botsch et al.
     /// 2002 §3).
     pub masks: f64,
-    /// Entropy of the masks in the same unit: their size if bytes took as many bits as their frequency is worth (the
-    /// result of an entropy coder).
+    /// Entropy of the masks in the same unit: their size if each byte took the bits of its frequency (as by an entropy
+    /// coder).
     pub masks_entropy: f64,
     /// Normals of all nodes with 13 bits.
     pub normals: f64,
@@ -85,7 +89,7 @@ pub struct CodedBits {
 impl CodedCloud {
     /// The code of `octree`, with attributes from the records of its points.
     ///
-    /// All leaves have to be on one level. For a tree that divides by numbers of points, it is that of the default
+    /// All leaves have to be on one level. For a tree that divides by numbers of points, it is the code of the default
     /// criterion.
     ///
     /// # Panics
@@ -157,7 +161,7 @@ impl CodedCloud {
         }
     }
 
-    /// The deepest level with at most so many nodes.
+    /// The deepest level with at most `max_nodes` nodes.
     pub fn deepest_level_of(&self, max_nodes: usize) -> u32 {
         let has_few = |&level: &u32| self.level(level).len() <= max_nodes;
         (0..=self.depth()).rev().find(has_few).unwrap_or(0)

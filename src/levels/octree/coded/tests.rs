@@ -1,4 +1,4 @@
-//! Byte codes with attributes against the octree, against all points, and against normals worked out anew.
+//! Byte codes with attributes against the octree, against all points, and against recomputed normals.
 
 use super::*;
 use crate::cloud::{oct_decode, oct_encode, quantised_normals};
@@ -50,7 +50,7 @@ fn sphere(count: u32, radius: f32) -> Vec<(Vec3, Vec3, f32)> {
     (0..count).map(on_sphere).map(|p| (p, p, radius)).collect()
 }
 
-/// The nodes of a cloud with their levels, cells and children, told from first children and masks alone.
+/// The nodes of a cloud with their levels, cells and children, computed from first children and masks alone.
 fn all_nodes(cloud: &CodedCloud) -> Vec<(usize, u32, [u32; 3], Range<usize>)> {
     let mut nodes = vec![(0, 0, [0; 3])];
     let mut found = Vec::new();
@@ -136,7 +136,7 @@ proptest! {
         }
     }
 
-    /// Of points with one normal, the disk of a node covers those of all points below it, from where it is drawn.
+    /// Of points with one normal, the disk of a node, at its drawn position, covers the disks of all points below it.
     #[test]
     fn radii_cover_all_descendants(
         points in prop::collection::vec((prop::array::uniform3(-1f32..1.0), 0.001f32..0.3), 1..200),
@@ -193,7 +193,7 @@ proptest! {
     }
 }
 
-/// On a sphere that is sampled as densely as its cells are large, the offsets bring the middles of cells to the
+/// On a sphere that is sampled as densely as its cells are large, the offsets bring the centres of cells to the
 /// surface.
 #[test]
 fn offsets_move_points_onto_the_surface() {
@@ -218,8 +218,8 @@ fn offsets_move_points_onto_the_surface() {
     assert!(without > 0.75 && with < 0.16, "{without} to {with} edges");
 }
 
-/// Of a surface whose cells are as large as its samples are far apart, positions take 8/3 bits at most (Botsch et al.
-/// 2002 §3).
+/// For a surface whose cells are as large as its sample spacing, positions take 8/3 bits at most (Botsch et al. 2002
+/// §3).
 #[test]
 fn positions_take_fewer_bits_than_the_bound_of_the_paper() {
     let records = records(&sphere(400_000, 0.01));
