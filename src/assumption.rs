@@ -13,7 +13,7 @@ use std::fmt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Evidence {
-    /// The file or a sidecar file says so.
+    /// Stated by the file or a sidecar file.
     File,
     /// Files of the format are made so.
     Convention,

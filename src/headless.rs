@@ -159,7 +159,7 @@ pub struct Headless {
     labels: Arc<Vec<Label>>,
     /// Input images that were loaded last.
     posed_images: Mutex<Option<(Arc<ViewSet>, Arc<LoadedPhotos>)>>,
-    /// Input images of one static scene that have a surface of their own.
+    /// Input images of one static scene that have their own surface.
     surfaced: Mutex<Option<Surfaced>>,
 }
 
@@ -225,7 +225,7 @@ impl Headless {
         if let Some(look) = self.look.get() {
             return Ok(Arc::clone(look));
         }
-        // What else the image needs is only known after this.
+        // Other needs of the image are only known after this.
         let needs = Needs {
             colors: ColorSource::Uniform.into(),
             ..Needs::default()

@@ -25,8 +25,8 @@ pub(crate) fn frames_with_indices(first: usize, last: usize) -> String {
     format!("frames {} to {} (indices {first} to {last})", first + 1, last + 1)
 }
 
-/// The sentence that refuses frames `first..=last` asked for by `option` of a sequence of `count` frames; `None` if all
-/// of them are there. The one rule of all commands: a range is never cut in silence.
+/// The error for frames `first..=last` requested by `option` from a sequence of `count` frames; `None` if all of them
+/// exist. Common to all commands: a range is never cut silently.
 pub(crate) fn missing_frames(option: &str, first: usize, last: usize, count: usize) -> Option<String> {
     let end = count.checked_sub(1);
     if end.is_some_and(|end| last <= end) {

@@ -57,7 +57,7 @@ pub(crate) fn id(path: &Path) -> Option<(u64, u64)> {
     fs::metadata(path).ok().as_ref().and_then(id_of)
 }
 
-/// [`id`] of a file that is open, or was looked at.
+/// [`id`] from the metadata of a file.
 #[cfg(unix)]
 #[expect(clippy::unnecessary_wraps, reason = "other systems do not say")]
 pub(crate) fn id_of(metadata: &Metadata) -> Option<(u64, u64)> {
@@ -65,7 +65,7 @@ pub(crate) fn id_of(metadata: &Metadata) -> Option<(u64, u64)> {
     Some((metadata.dev(), metadata.ino()))
 }
 
-/// [`id`] of a file that is open, or was looked at.
+/// [`id`] from the metadata of a file.
 #[cfg(not(unix))]
 pub(crate) fn id_of(_: &Metadata) -> Option<(u64, u64)> {
     None

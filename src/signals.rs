@@ -23,7 +23,7 @@ pub(crate) enum Signal {
 }
 
 impl Signal {
-    /// As a shell says it of a process that this signal has ended.
+    /// The exit code that a shell reports for a process ended by this signal.
     fn exit_code(self) -> i32 {
         match self {
             Self::Interrupt => 130,
@@ -70,13 +70,13 @@ impl Drop for EndsWell {
     }
 }
 
-/// Has the first signal call `stop`, after which the command is to end by itself, within `patience` if there is one.
+/// Has the first signal call `stop`, after which the command is to end by itself, within `patience` if given.
 pub(crate) fn on_first(stop: impl Fn() + Send + Sync + 'static, patience: Option<Duration>) -> EndsWell {
     state().stop = Some((Arc::new(stop), patience));
     EndsWell(())
 }
 
-/// Ends the process by the signal that has asked for it; returns where there was none. Temporary files are removed.
+/// Ends the process by the received signal; returns if there was none. Temporary files are removed.
 pub(crate) fn end_if_received() {
     let received = state().received;
     if let Some(signal) = received {
@@ -84,7 +84,7 @@ pub(crate) fn end_if_received() {
     }
 }
 
-/// Does as `signal` says.
+/// Handles `signal`.
 fn receive(signal: Signal) {
     let mut state = state();
     let is_first = state.received.is_none();

@@ -53,7 +53,7 @@ pub enum Orientation {
 /// The surface around each point, in the order of the points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surface {
-    /// Unit normals, oriented as [`Surface::orientation`] says.
+    /// Unit normals, oriented by [`Surface::orientation`].
     pub normals: Vec<Vec3>,
     /// Method by which the signs of the normals were decided.
     pub orientation: Orientation,
@@ -175,7 +175,7 @@ pub struct Smoothed {
 }
 
 impl Smoothed {
-    /// Says how far points were moved, for people.
+    /// Reports in words how far points were moved.
     pub fn told(&self, radius_spacings: f32) -> String {
         let count = self.positions.len();
         format!(

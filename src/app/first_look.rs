@@ -11,7 +11,7 @@ pub(in crate::app) struct SequenceLook {
     pub(in crate::app) look: Option<Arc<FirstLook>>,
     /// First look without the user's choice of the up axis.
     pub(in crate::app) guessed: Option<Arc<FirstLook>>,
-    /// The frame that was looked at first: its index and its content, as `PreparedFrame::id`.
+    /// The first examined frame: its index and its content, as `PreparedFrame::id`.
     pub(in crate::app) first: Option<(usize, u64)>,
     /// The file of that frame has changed since, as it was half-written.
     pub(in crate::app) is_outdated: bool,

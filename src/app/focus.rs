@@ -34,7 +34,7 @@ mod x11 {
     use x11rb::connection::Connection as _;
     use x11rb::protocol::xproto::{ConnectionExt as _, EventMask, InputFocus, MapState, Window};
 
-    /// Looks and acts on a connection of its own to the display that the window is on. True if it took the keyboard.
+    /// Checks and acts on its own connection to the window's display. True if it took the keyboard focus.
     pub(super) fn take_if_unmanaged(window: Window) -> Result<bool, Box<dyn std::error::Error>> {
         let (connection, screen) = x11rb::connect(None)?;
         let root = connection.setup().roots[screen].root;

@@ -14,7 +14,7 @@ pub enum Severity {
     Hint,
     /// Something was not as expected; the program goes on.
     Warning,
-    /// Something that was asked for did not happen.
+    /// A requested action failed.
     Error,
 }
 
@@ -40,7 +40,7 @@ pub struct Notice {
     pub others: Vec<String>,
     /// Text without numbers and file names, which identifies its kind.
     kind: String,
-    /// When it goes by itself.
+    /// Time at which it disappears.
     until: Option<Duration>,
 }
 

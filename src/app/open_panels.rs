@@ -5,7 +5,7 @@ use egui::{Context, Id};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
-/// A panel or window that a person opens and closes, by its name.
+/// A panel or window that a user opens and closes, by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct PanelId(&'static str);
 

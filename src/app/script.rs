@@ -130,7 +130,7 @@ impl Script {
         Ok(has_run)
     }
 
-    /// When [`Script::advance`] has something to do by itself; `None` at its end.
+    /// Time at which [`Script::advance`] has something to do without input; `None` at its end.
     pub fn next_deadline(&self, now: Duration) -> Option<Duration> {
         let (_, step) = self.steps.front()?;
         let begun = self.begun.unwrap_or(now);

@@ -26,8 +26,8 @@ pub(super) const RESIDENT: Color32 = Color32::from_rgb(72, 104, 152);
 /// Frames being prepared.
 pub(super) const PENDING: Color32 = Color32::from_rgb(58, 70, 92);
 
-/// Sets the look of the window: light or dark as the system is, dark where it does not say. A person may choose
-/// otherwise ([`super::Appearance::theme`]).
+/// Sets the look of the window: light or dark as the system is, dark if unknown. The user may choose otherwise
+/// ([`super::Appearance::theme`]).
 pub fn apply_theme(ctx: &Context) {
     ctx.set_theme(ThemePreference::System);
     ctx.all_styles_mut(|style| {

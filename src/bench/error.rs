@@ -53,7 +53,7 @@ pub enum BenchError {
     /// Draco cannot write or read a cloud.
     #[error("Draco: {0}")]
     Draco(String),
-    /// Points that are no frame.
+    /// Points that do not form a frame.
     #[error(transparent)]
     Cloud(#[from] crate::cloud::CloudError),
     /// Clouds that cannot be compared.
@@ -65,7 +65,7 @@ pub enum BenchError {
 }
 
 impl BenchError {
-    /// Fails once nobody waits for the report any more.
+    /// Fails once the run is cancelled.
     pub(super) fn check_cancelled(progress: &Progress) -> Result<(), Self> {
         if progress.is_cancelled() {
             return Err(Self::Cancelled);

@@ -2,7 +2,7 @@
 //!
 //! Words of one group are alternatives, groups must all be met: renderer (cpu, gpu), primitive (surfel, mesh, voxel,
 //! point, or surfels of one splatting mode), and how instances reach the GPU (storage, uniform …). A group without
-//! words is no condition.
+//! words is not a condition.
 
 use crate::scene::{Primitive, RendererChoice, Splatting, Strategy, Style};
 use std::str::FromStr;

@@ -73,7 +73,7 @@ impl BenchOptions {
         }
     }
 
-    /// The folder of this person for [`BenchOptions::truth_folder`]; `None` where the system has no such place.
+    /// The folder of this user for [`BenchOptions::truth_folder`]; `None` where the system has no such place.
     pub fn truth_folder_of_person() -> Option<PathBuf> {
         persist::cached_place_of("truth")
     }

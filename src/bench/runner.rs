@@ -32,7 +32,7 @@ pub(super) struct Upload {
     pub(super) bytes: u64,
 }
 
-/// Draws packets and looks at the clock.
+/// Draws packets and measures their times.
 #[derive(Debug)]
 pub(super) struct Runner {
     renderer: AnyRenderer,

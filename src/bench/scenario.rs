@@ -7,10 +7,10 @@
 //! which the camera then aims and to which it comes closer. A move that does not help is undone and retried at half the
 //! step.
 //!
-//! Voxels of a sparse cloud do not close its surface: at δ = 5 % nearly every point has a cell of its own, much smaller
-//! than the point's share of the surface. Coming closer therefore helps only until the object fills the image. By its
-//! own figures the paper's do not close it either: the depths of its Table IV are those that Table III gives for δ = 5
-//! %, and 85,000 leaves of edge 1/1024 have 8 % of the area of a face of the cube. It does not say how its 25 % were
+//! Voxels of a sparse cloud do not close its surface: at δ = 5 % nearly every point has its own cell, much smaller than
+//! the point's share of the surface. Coming closer therefore helps only until the object fills the image. By its own
+//! figures the paper's do not close it either: the depths of its Table IV are those that Table III gives for δ = 5 %,
+//! and 85,000 leaves of edge 1/1024 have 8 % of the area of a face of the cube. It does not say how its 25 % were
 //! reached. δ and LOD threshold stay the paper's here, viewpoints of voxels show a part of the object, and clouds that
 //! cannot be brought into the band (a LiDAR sweep, a subsampled cloud) are measured at the closest viewpoint and named
 //! in the report.
@@ -19,7 +19,7 @@ use super::cover::Cover;
 use crate::scene::Camera;
 use std::ops::RangeInclusive;
 
-/// The share of covered pixels that the protocol asks for.
+/// The share of covered pixels that the protocol requires.
 pub const COVERAGE_BAND: RangeInclusive<f64> = 0.25..=0.85;
 
 /// Target coverage of a correction: the geometric mean of the two ends of the band.

@@ -1,4 +1,4 @@
-//! One sequence of a run, and where it is looked at from.
+//! One sequence of a run, and its viewpoints.
 
 use super::scenario;
 use crate::composition::{PictureView, packet};
@@ -18,7 +18,7 @@ pub(super) struct Subject<'a> {
 }
 
 impl Subject<'_> {
-    /// A frame of it, for people.
+    /// Display name of a frame of it.
     pub(super) fn named(&self, index: usize) -> String {
         format!("{} {}", self.name, frame_place(index, self.sequence.len()))
     }

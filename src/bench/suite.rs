@@ -48,7 +48,7 @@ pub(crate) struct Defaults {
 }
 
 impl Defaults {
-    /// Viewpoints that the paper's protocol asks for.
+    /// Viewpoints of the paper's protocol.
     pub(crate) const PROTOCOL_VIEWPOINTS: usize = 8;
 
     /// The paper's protocol.

@@ -21,7 +21,7 @@ macro_rules! attributes {
         }
 
         impl Attributes {
-            /// The arrays that are there, in the order of the list.
+            /// The present arrays, in the order of the list.
             fn arrays(&self) -> impl Iterator<Item = Array<'_>> {
                 let listed = [$(self.$field.as_deref().map(|entries| Array::of($name, entries))),*];
                 let scalars = self.scalars.iter().map(|field| Array::of(&field.name, &field.values));
@@ -56,7 +56,7 @@ attributes! {
     normals: [f32; 3] = "normal",
     /// Radii of the disks that stand for splats, in the unit of positions.
     radii: f32 = "radius",
-    /// Shapes of splats that are longer in one direction, each with the area of the disk that its radius says.
+    /// Shapes of splats that are longer in one direction, each with the area of the disk of its radius.
     ellipses: Ellipse = "ellipse",
 }
 
@@ -78,7 +78,7 @@ impl<'a> Array<'a> {
 }
 
 impl Attributes {
-    /// Names of the attributes that are there.
+    /// Names of the present attributes.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.arrays().map(|array| array.name)
     }

@@ -308,7 +308,7 @@ impl Frame {
         })
     }
 
-    /// Takes the sample of its sequence. Says nothing any more once it was asked for.
+    /// Takes the sample of its sequence. Has no effect once the sample was used.
     pub(crate) fn share_sample(&self, sample: Arc<ValueSample>) {
         _ = self.sample.0.set(sample);
     }
@@ -334,7 +334,7 @@ impl Frame {
         self.convention
     }
 
-    /// The unit of positions, if the file says it.
+    /// The unit of positions, if the file has it.
     pub fn unit(&self) -> Option<LengthUnit> {
         self.unit
     }

@@ -8,7 +8,7 @@ use std::any::Any;
 use std::fmt;
 use std::sync::Arc;
 
-/// See the module's text. It says nothing about whether clouds are equal.
+/// See the module's text. Ignored when clouds are compared.
 #[derive(Clone)]
 pub struct MadeFrom {
     what: Arc<dyn Any + Send + Sync>,

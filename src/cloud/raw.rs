@@ -84,12 +84,11 @@ pub enum AxisConvention {
     YUp,
     /// Z is up: maps and surveys, LAS among them.
     ZUp,
-    /// Z is up in most files of the format, though nothing says that it must be: KITTI, PTX, E57, ROS, STL.
+    /// Z is up in most files of the format, by convention only: KITTI, PTX, E57, ROS, STL.
     UsuallyZUp,
     /// Right, down, forward: a cloud in the optical frame of a camera.
     Camera,
-    /// Y is down in most files, though nothing says that it must be: Gaussian splats, which are trained in the axes of
-    /// a camera.
+    /// Y is down in most files, by convention only: Gaussian splats, which are trained in the axes of a camera.
     UsuallyYDown,
 }
 
@@ -146,7 +145,7 @@ impl FromStr for ColorDepth {
     }
 }
 
-/// A decoded point cloud. Every attribute that is there has one entry a point; [`super::Frame::from_raw`] checks it.
+/// A decoded point cloud. Every present attribute has one entry per point; [`super::Frame::from_raw`] checks it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RawCloud {
     /// Coordinates; holes of organised clouds are NaN.
@@ -160,7 +159,7 @@ pub struct RawCloud {
     pub made_from: Option<MadeFrom>,
     /// True if the colours were found as 0 to 255 in fields of 16 bits, which other programs may show black.
     pub has_narrow_colors: bool,
-    /// The range that was concluded from the colours; `None` if their type says it.
+    /// The range that was concluded from the colours; `None` if their type determines it.
     pub color_depth: Option<ColorDepth>,
     /// Triangles of a mesh: indices of three points each, all below the number of points. Empty where there is no mesh.
     pub faces: Vec<[u32; 3]>,

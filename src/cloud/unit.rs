@@ -1,6 +1,6 @@
 //! Length units: the meaning of one step of a coordinate.
 
-/// The unit of coordinates, where a format or a file says it.
+/// The unit of coordinates, where a format or a file defines it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LengthUnit {
     /// Metres.

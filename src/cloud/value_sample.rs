@@ -3,7 +3,7 @@
 //! How it works: points are taken evenly from the order of the file, so the sample does not read the rest of them, and
 //! equal files have equal samples. Each frame of a sequence shares the one of the first frame that can be read
 //! ([`super::Frame::value_sample`]), so its results are the same for all frames, whichever of them was seen first.
-//! Values are sorted when they are first asked for.
+//! Values are sorted when they are first needed.
 
 use super::{RawCloud, ScalarField, even_places};
 use crate::locks::lock;
@@ -44,7 +44,7 @@ pub struct ValueSample {
     /// The origin of the sequence in file coordinates.
     pub origin: DVec3,
     has_telling_colors: OnceLock<bool>,
-    /// Ascending finite values that were asked for.
+    /// Ascending finite values, as requested.
     sorted: Mutex<Vec<(ValueKind, Arc<[f32]>)>>,
 }
 
@@ -169,7 +169,7 @@ impl ValueSample {
     }
 }
 
-/// The sample of a frame, which says nothing about whether frames are equal.
+/// The sample of a frame, ignored when frames are compared.
 #[derive(Debug, Clone, Default)]
 pub(super) struct SharedSample(pub(super) OnceLock<Arc<ValueSample>>);
 

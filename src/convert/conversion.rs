@@ -30,7 +30,7 @@ pub struct Conversion {
 }
 
 impl Conversion {
-    /// The format that is written, for people.
+    /// Display name of the output format.
     pub fn target_name(&self) -> String {
         match self.output {
             Output::Reel(..) => "reel".to_owned(),

@@ -235,7 +235,7 @@ fn subsample(cloud: &mut RawCloud, count: usize) {
     cloud.keep(&retained);
 }
 
-/// Moves the points onto the surface around them, and says so in the warnings. Normals stay.
+/// Moves the points onto the surface around them, and adds a warning. Normals stay.
 fn move_onto_surface(cloud: &mut RawCloud, radius_spacings: f32) -> Result<(), EditError> {
     let (_, Some((min, max))) = cloud.positions.finite_bounds() else {
         return Ok(());

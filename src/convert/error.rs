@@ -39,7 +39,7 @@ pub enum ConvertError {
     OutputIsInput {
         /// The output.
         path: PathBuf,
-        /// The input that is there.
+        /// The input at that location.
         input: PathBuf,
     },
     /// Files of somebody else have the names of frames.
@@ -82,7 +82,7 @@ pub enum ConvertError {
         path: PathBuf,
         /// The process, and its machine.
         holder: String,
-        /// The file that says so.
+        /// The lock file.
         lock: PathBuf,
     },
     /// Files that cannot be joined.

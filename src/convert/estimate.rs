@@ -184,7 +184,7 @@ impl SampleFrame {
     /// Memory that it takes.
     pub fn byte_size(&self) -> usize {
         let clouds: usize = self.clouds.iter().map(|(cloud, _)| cloud.byte_size()).sum();
-        // The reference holds positions, colours and normals once more, and sorted positions.
+        // The reference holds another copy of positions, colours and normals, and sorted positions.
         2 * clouds
     }
 

@@ -1,4 +1,4 @@
-//! A frame in a file of its own.
+//! A frame in its own file.
 
 use super::conversion::{Conversion, Converted};
 use super::error::ConvertError;

@@ -123,7 +123,7 @@ pub fn source_at(output: &Output, sequence: &Sequence) -> Option<PathBuf> {
     let (Output::File(path) | Output::Folder(path) | Output::Reel(path, _)) = output;
     let place = real(path);
     let is_folder = matches!(output, Output::Folder(_));
-    // Frames in one folder ask about the same path again and again.
+    // Frames in one folder query the same path repeatedly.
     let mut looked_at = HashSet::new();
     let mut is_there = |input: &Path| {
         if real(input) == place || regular_file::are_same(input, path) {

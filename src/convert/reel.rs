@@ -80,7 +80,7 @@ impl Unfinished {
         }
     }
 
-    /// The file that is there, to go on with; `None` where that cannot be, which is said.
+    /// Reopens the existing file to resume; `None` where that is impossible, with a message.
     fn reopened(&self, options: &ReelOptions) -> Option<Writer> {
         let reopened = Writer::append_to(&self.file, options.clone());
         let told = reopened.inspect_err(|error| log::warn!("the conversion starts over: {error}"));

@@ -204,7 +204,7 @@ fn subsampling_is_even_and_preserves_the_order() {
         let octant = (0..3).fold(0, |octant, axis| octant * 2 + usize::from(position[axis] > 5.0));
         counts[octant] += 1;
     }
-    // One point of each 2×2×2: five along each axis, of which two or three are in one half.
+    // One point of each 2×2×2: five along each axis, two or three of them in one half.
     assert!(counts.iter().all(|count| (8..=27).contains(count)), "{counts:?}");
 }
 

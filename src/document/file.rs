@@ -59,7 +59,7 @@ pub enum Unsaved {
     None,
     /// They are in the document. The session has this one.
     Restored(Box<Document>),
-    /// Somebody else has written the session since: they are in a session file of their own.
+    /// Another program has written the session since: they are in a separate session file.
     Outdated(PathBuf),
 }
 
@@ -249,7 +249,7 @@ impl Notes {
     }
 }
 
-/// The settings, each by itself, and those that are not known.
+/// The settings, parsed one by one, and the unknown ones.
 fn settings_of(written: &Fields, notes: &mut Notes) -> (Settings, Fields) {
     let mut unread = Vec::new();
     let settings = persist::fields::<Settings>(written, &mut unread).nearest();

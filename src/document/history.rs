@@ -15,7 +15,7 @@ const GESTURE: Duration = Duration::from_millis(500);
 /// Max number of entries; the oldest are dropped first.
 const MAX_ENTRIES: usize = 200;
 
-/// The document before and after, as a person changed it.
+/// The document before and after a user's change.
 #[derive(Debug, Clone, Default)]
 pub struct History {
     past: VecDeque<Change>,
@@ -44,7 +44,7 @@ struct LastChange {
 }
 
 impl History {
-    /// Looks at the document at `now`; `is_held` says whether a button of the mouse is down.
+    /// Compares the document at `now`; `is_held` is true while a mouse button is down.
     pub fn note(&mut self, document: &Document, is_held: bool, now: Duration) {
         let present = self.present.get_or_insert_with(|| document.undone_parts());
         let last = self.last.as_mut();

@@ -80,7 +80,7 @@ pub struct SpreadTrails {
     pub frames: usize,
 }
 
-/// A sequence next to that of the document.
+/// A sequence next to the document's.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compared {
     /// Opened inputs: as [`Document::inputs`].

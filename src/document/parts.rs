@@ -14,7 +14,7 @@ pub(super) struct Part {
     is_same: fn(&Document, &Document) -> bool,
     /// Copies the part from the second document to the first; `None` for parts that undo does not restore.
     put_back: Option<fn(&mut Document, &Document)>,
-    /// Name of the change from the first to the second document, for undo. Settings have names of their own.
+    /// Name of the change from the first to the second document, for undo. Settings have their own names.
     change: fn(&Document, &Document) -> &'static str,
     /// Summary of what the first document holds beyond the second, for a message: `2 labels`.
     summary: fn(&Document, &Document) -> Option<String>,

@@ -70,7 +70,7 @@ pub struct Reading {
     /// Pattern of the names of colour images.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color_images: Option<String>,
-    /// `fx,fy,cx,cy`, or a file that says them.
+    /// `fx,fy,cx,cy`, or a file with them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub intrinsics: Option<String>,
     /// Units of the depth images that are a metre.
@@ -178,7 +178,7 @@ impl Reading {
         }
     }
 
-    /// `options` with these choices, where `options` has none of its own.
+    /// `options` with these choices, where `options` has none.
     #[must_use]
     pub fn over(&self, options: &OpenOptions) -> OpenOptions {
         let read: ReadOptions = options.read;

@@ -14,7 +14,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// As a person would write it by hand.
+/// Written by hand.
 const BY_HAND: &str = r#"{
   "pointreel_session": 1,
   "files": ["scans"],

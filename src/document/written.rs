@@ -31,7 +31,7 @@ pub(super) struct Version {
     pub(super) pointreel_session: u64,
 }
 
-/// All of it; the settings are looked at one by one later.
+/// All of it; the settings are parsed one by one later.
 #[derive(Debug, Deserialize)]
 pub(super) struct Written {
     #[serde(rename = "pointreel_session")]

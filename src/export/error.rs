@@ -30,7 +30,7 @@ pub enum ExportError {
         /// The system's reason.
         reason: std::io::Error,
     },
-    /// The name says no format.
+    /// The name has no known extension.
     #[error(
         "{} is not a video: expected a name that ends in .mp4, .gif or .webp, a folder, or {{frame}}.png for one \
          file per image",

@@ -11,7 +11,7 @@ use super::webp::WebpFile;
 use std::path::Path;
 
 impl VideoFormat {
-    /// The format that a name says: by its extension, or as a folder (an existing one, or a name without extension).
+    /// The format by the name: by its extension, or as a folder (an existing one, or a name without extension).
     pub fn of_name(path: &Path) -> Result<Self, ExportError> {
         let extension = path
             .extension()

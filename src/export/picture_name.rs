@@ -6,7 +6,7 @@ use super::picture_format::{FORMATS, PictureFormat, Row};
 use std::path::Path;
 
 impl PictureFormat {
-    /// The format that the extension of `path` says.
+    /// The format by the extension of `path`.
     ///
     /// # Errors
     /// [`ExportError::UnknownPicture`] for another extension, none, and an existing folder.

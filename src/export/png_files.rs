@@ -54,7 +54,7 @@ pub fn picture_names(output: &Path) -> PathBuf {
     }
 }
 
-/// Files that get their names when all of them are there.
+/// Files that get their names when all of them are complete.
 pub(super) struct PngFiles {
     name: PathBuf,
     partials: Vec<Partial>,

@@ -30,7 +30,7 @@ type Decode = fn(&Encoded<'_>) -> Result<RawCloud, Fault>;
 /// The frames in a file of a format that are read one by one, of the topic that is named.
 type ContentsOf = fn(&Path, Format, Option<&str>, &ReadOptions) -> Result<Contents, IoError>;
 
-/// Camera topics published in a file of a format; also where it has point clouds, if asked for.
+/// Camera topics published in a file of a format; also where it has point clouds, if requested.
 type CamerasOf = fn(&Path, Format, bool, &ReadOptions) -> Result<CameraTopics, IoError>;
 
 /// The frames in a file.

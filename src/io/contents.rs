@@ -31,7 +31,7 @@ pub enum Part {
 /// A frame in a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Entry {
-    /// Name for people, and for its number; empty where the file's own name says it all.
+    /// Name for display, and for its number; empty where the file's own name suffices.
     pub name: String,
     /// Timestamp of the frame, relative to the epoch of the file.
     pub time: Option<Duration>,

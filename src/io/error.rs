@@ -102,7 +102,7 @@ pub enum IoError {
         format: Format,
         /// Position in the file.
         place: Place,
-        /// Description of what was found and what was expected.
+        /// Description of the found and the expected content.
         problem: String,
     },
 }

@@ -25,7 +25,7 @@ pub fn list(path: &Path, options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
 }
 
 /// Returns the camera topics in the recording at `path`: none where it is not a recording, and where it has point
-/// clouds, unless cameras are asked for `with_clouds`.
+/// clouds, unless cameras are requested `with_clouds`.
 pub(crate) fn cameras(path: &Path, with_clouds: bool, options: &ReadOptions) -> Result<CameraTopics, IoError> {
     let format = Format::detect(path, &first_bytes(path)?);
     let cameras = format.and_then(|format| Some((format, format.codec()?.cameras?)));

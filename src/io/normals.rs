@@ -22,7 +22,7 @@ use std::path::Path;
 /// Max bytes read of a file to determine its content: headers have a few hundred bytes.
 const HEAD_BYTES: u64 = 1 << 16;
 
-/// Lines of a text that are looked at.
+/// Number of examined lines of a text.
 const TEXT_LINES: usize = 8;
 
 /// Contents of the rows of a file.
@@ -61,7 +61,8 @@ pub(crate) fn rows_of(path: &Path) -> Option<RowContents> {
     })
 }
 
-/// Text whose lines have fewer than three numbers holds no points. One such line says nothing: it may count the points.
+/// Text whose lines have fewer than three numbers holds no points. One such line is not conclusive: it may count the
+/// points.
 fn rows_of_text(head: &[u8]) -> Option<RowContents> {
     let is_separator = |byte: &u8| byte.is_ascii_whitespace() || b",;".contains(byte);
     let numbers_in = |line: &[u8]| {

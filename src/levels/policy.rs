@@ -98,7 +98,7 @@ impl Affordable {
         if !ratio.is_finite() || ratio <= 0.0 {
             return;
         }
-        // An image that could not use its budget says nothing about larger ones.
+        // An image that could not use its budget is not evidence about larger ones.
         let used_up = drawn as f64 >= 0.7 * f64::from(self.voxels());
         if ratio < 0.8 || ratio > 1.25 && used_up {
             // Half of the way, at most an octave: part of the time does not depend on the voxels.

@@ -52,7 +52,7 @@ enum ShapeLevels {
 }
 
 impl LevelsSet {
-    /// The octree, if anything was asked for that is made from one.
+    /// The octree, if any requested structure is made from one.
     pub fn octree(&self) -> Option<&Arc<Octree>> {
         self.octree.as_ref().map(|(_, octree)| octree)
     }

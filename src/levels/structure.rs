@@ -39,7 +39,7 @@ pub trait Levels: Debug + Send + Sync {
     ///
     /// How it works: a higher threshold never emits more, so thresholds are bisected. Counting is cheap compared with
     /// drawing: it reads one byte for each drawn point. A previous cut is only used for hysteresis where it still fits:
-    /// a threshold that emits at least three quarters of what is allowed stays.
+    /// a threshold that emits at least three quarters of the allowed number stays.
     fn cut_at_most(&self, max_nodes: usize, view: &SelectView, hints: CutHints<'_>) -> Cut {
         let cached = hints.before.map(Cut::lod_px);
         if let Some(lod_px) = cached.filter(|&lod_px| lod_px >= view.lod_px) {

@@ -15,7 +15,7 @@ pub(crate) const NO_PLACE: u32 = TABLE_LEN as u32;
 /// Bits of a mantissa that choose an entry of the table of logarithms; the rest is for the line to the next.
 const LOG_BITS: u32 = 10;
 
-/// Ranges of fewer octaves are worked out one by one: f32 would lose digits of the logarithm.
+/// Ranges of fewer octaves are computed one by one: f32 would lose digits of the logarithm.
 const MIN_OCTAVES: f64 = 0.25;
 
 type Logarithms = [f32; (1 << LOG_BITS) + 1];

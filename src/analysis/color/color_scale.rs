@@ -15,8 +15,8 @@ pub struct ColorScale {
 }
 
 impl ColorScale {
-    /// From `low` to `high`, finite and in this order. By logarithms, if that is asked for and `high` is above zero by
-    /// more than rounding; a `low` that is not becomes a millionth of `high`.
+    /// From `low` to `high`, finite and in this order. Logarithmic, if requested and `high` is above zero by more than
+    /// rounding; a `low` that is not becomes a millionth of `high`.
     pub fn new(low: f64, high: f64, is_logarithmic: bool) -> Self {
         let min = high / SIX_DECADES;
         let is_logarithmic = is_logarithmic && min > 0.0;

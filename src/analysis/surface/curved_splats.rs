@@ -3,8 +3,8 @@
 //!
 //! How it works: a disk of radius r lies on the tangent plane of a surface of curvature κ, so its edge is κr²/2 above
 //! it, and beyond an outline it reaches by as much. In the tangent plane of a point the surface is `h = (a u² + 2b uv +
-//! c v²) / 2`; the three numbers are least squares of the heights and the slopes of its neighbours, each divided by
-//! what it grows with (the squared distance, the distance), so that all are curvatures. Where the largest curvature
+//! c v²) / 2`; the three numbers are least squares of the heights and the slopes of its neighbours, each divided by the
+//! quantity it grows with (the squared distance, the distance), so that all are curvatures. Where the largest curvature
 //! turns the normal noticeably within the disk, and the neighbours agree on it, the disk becomes 7 or 19 in a hexagon,
 //! each at its height and turned to its slope. Half the radius has a quarter of the error.
 //!

@@ -66,7 +66,7 @@ fn the_noise_is_found_whatever_the_curvature() {
     }
 }
 
-/// At 0.5 spacings of noise 5 degrees are asked for; twelve neighbours are off by more than twice that.
+/// At 0.5 spacings of noise 5 degrees are required; twelve neighbours are off by more than twice that.
 #[test]
 fn normals_of_noisy_shapes_are_those_of_the_shape() {
     let mut random = Random(32);

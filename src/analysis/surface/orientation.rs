@@ -5,10 +5,9 @@
 //!
 //! *Mirroring.* Where the surface bends between two points, comparing their normals says little: at the edge of a
 //! cube they are perpendicular, and across a thin sheet they look alike but face opposite ways. So the normal of one
-//! point is first mirrored at the plane midway between the two (Xie et al. 2003), which is what a circular arc
-//! through both would do to it. An edge along the tangent planes leaves the normal as it is, and the weight is the
-//! usual `1 − |n·n'|`. An edge along the normals is the least trustworthy, as noise looks like that too, and comes
-//! last.
+//! point is first mirrored at the plane midway between the two (Xie et al. 2003), as a circular arc through both would
+//! do. An edge along the tangent planes leaves the normal as it is, and the weight is the usual `1 − |n·n'|`. An edge
+//! along the normals is the least trustworthy, as noise looks like that too, and comes last.
 //!
 //! *No tree is built.* Kruskal's algorithm joins components in the order of their weights; each point stores whether
 //! its normal agrees with that of its parent in the union-find forest. When all edges are in, every point knows its
@@ -102,7 +101,7 @@ fn center_of(points: &[SlotPoint]) -> usize {
     nearest.map_or(0, |(place, _)| place)
 }
 
-/// Weight in steps above one bit that says whether the two normals disagree.
+/// Weight in steps above one bit that is set if the two normals disagree.
 type Edge = u16;
 
 /// Steps that the weight 1 is divided into.

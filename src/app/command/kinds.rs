@@ -125,7 +125,7 @@ impl Command {
     pub const BEGIN_AGAIN: Self = Self("begin again");
     /// Begin new documents with the look of the open one.
     pub const USE_AS_DEFAULTS: Self = Self("use as defaults");
-    /// Draw as a preset of this person, or a built-in one, of a name.
+    /// Draw with a named preset of this user, or a built-in one.
     pub const PRESET: Self = Self("preset");
     /// Draw as the built-in preset of a name.
     pub const BUILT_IN_PRESET: Self = Self("built-in-preset");

@@ -43,7 +43,7 @@ pub(super) fn row_of(command: Command) -> Option<&'static CommandRow<State>> {
     commands().find(|row| row.command == command)
 }
 
-/// The keys of `command` as a person reads them, for menus and tooltips; empty without any.
+/// The keys of `command` as display text, for menus and tooltips; empty without any.
 pub(super) fn keys_of(command: Command) -> &'static str {
     row_of(command).map_or("", CommandRow::keys_text)
 }

@@ -1,5 +1,5 @@
-//! Surfels of the visible part, for a large static cloud whose own are not available: they are being estimated, or the
-//! machine has no memory for them.
+//! Surfels of the visible part, for a large static cloud whose own are not available: they are being estimated, or do
+//! not fit the machine's memory.
 //!
 //! **How it works.** When camera and frame have been the same for a short time, a thread selects the visible points, at
 //! most one per pixel ([`ViewOfFrame`]), and estimates the surface of these alone. Their image replaces the one of all

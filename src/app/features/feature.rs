@@ -34,7 +34,7 @@ pub(in crate::app) trait Feature<S: 'static> {
     /// Applies changes by the panels at once.
     fn follow_panels(&self, _state: &mut S) {}
 
-    /// When [`Feature::update`] or [`Feature::follow_frame`] has something to do by itself.
+    /// Time at which [`Feature::update`] or [`Feature::follow_frame`] has something to do without input.
     fn next_deadline(&self, _state: &S) -> Option<Duration> {
         None
     }

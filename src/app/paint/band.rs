@@ -14,7 +14,7 @@ use super::triangle;
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
-/// Rows of a band: a few tasks for each thread, and layers are not gone through too often.
+/// Rows of a band: a few tasks for each thread, and layers are not traversed too often.
 const BAND_ROWS: usize = 64;
 
 /// Smaller areas are painted by one thread. Most of an area is an image, which is copied: 0.13 ms for a million pixels,

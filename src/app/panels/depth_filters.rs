@@ -54,7 +54,7 @@ pub(super) fn depth_filters_ui(ui: &mut Ui, applied: Filters) -> Option<Filters>
     (edited != applied && edited.keep_any() && !is_being_set).then_some(edited)
 }
 
-/// A number of a filter, if that is applied; says whether somebody is about to set it.
+/// A number of a filter, if that is applied; returns true while the user edits it.
 fn parameter_row(ui: &mut Ui, parameter: &FilterParameter, edited: &mut Filters) -> bool {
     let Some(mut value) = parameter.get(edited) else {
         return false;

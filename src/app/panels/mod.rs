@@ -110,7 +110,7 @@ fn floating_ui(ui: &mut Ui, state: &mut State, row: &PanelRow<State>, id: PanelI
     }
 }
 
-/// Has the panels run again where another theme was chosen.
+/// Reruns the panels if another theme was chosen.
 fn follow_theme(ctx: &Context, theme: ThemePreference) {
     if ctx.options(|options| options.theme_preference) != theme {
         ctx.set_theme(theme);

@@ -42,7 +42,7 @@ pub(super) fn notices_ui(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// Returns long-running work that has no open window of its own.
+/// Returns long-running work without its own open window.
 fn shown_works(state: &State) -> Vec<&Work> {
     // Its window has the same bar.
     let measuring = state.features.benchmark.work();

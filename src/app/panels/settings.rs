@@ -1,4 +1,4 @@
-//! All settings of the image, with term and unit in a tooltip. Only what the chosen primitive uses is listed.
+//! All settings of the image, with term and unit in a tooltip. Only settings of the chosen primitive are listed.
 
 use super::colors::{self, colors_ui};
 use super::depth_filters::{self, depth_filters_ui};

@@ -15,7 +15,7 @@ use winit::window::Window;
 /// One frame may wait while the next is drawn: smooth, and not late.
 const FRAMES_IN_FLIGHT: u32 = 2;
 
-/// Times that an image is asked for: as it is, and after a repair.
+/// Number of image requests: as it is, and after a repair.
 const MAX_ATTEMPTS: usize = 2;
 
 /// Result of acquiring a surface image.

@@ -1,7 +1,7 @@
 //! Named settings, stored in a small JSON file.
 //!
-//! **How it works.** Each preset is read by itself, and each of its values: a missing or unknown one gets its default,
-//! a number that is not offered is replaced by the nearest. So presets outlive versions of this program; a file with
+//! **How it works.** Presets, and their values, are parsed one by one: a missing or unknown one gets its default, a
+//! number that is not offered is replaced by the nearest. So presets outlive versions of this program; a file with
 //! unreadable parts is copied before it is written (`stored/lenient.rs`). Several windows share it: one that saves or
 //! deletes a preset changes that one alone, in the file as it is then (`stored/update.rs`).
 
@@ -31,7 +31,7 @@ pub struct Preset {
     pub settings: Settings,
 }
 
-/// The presets of this person, by name.
+/// The presets of this user, by name.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Presets {
     list: Vec<Preset>,

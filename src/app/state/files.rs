@@ -7,7 +7,7 @@ use crate::sequence::Sequence;
 use std::path::{Path, PathBuf};
 
 impl State {
-    /// Asks the person. Nothing happens while another dialog is open.
+    /// Asks the user. Does nothing while another dialog is open.
     pub(in crate::app) fn ask(&mut self, dialog: Dialog<Self>) {
         self.shared.dialogs.ask(dialog, &self.shared.tasks);
     }

@@ -3,9 +3,9 @@
 //! **How it works.** Each sequence has a file ([`DocumentFolder`](crate::document::DocumentFolder)). Once per pass the
 //! document is compared with its initial state; differences are written shortly after the last change, so that a killed
 //! program has lost little. Looking at frames is not a change, and a file that was only opened leaves nothing behind. A
-//! session has a file of its own: it is written when the user saves it. Until then changes are stored next to the
-//! documents, and restored when the session is opened again (`document/unsaved.rs`), so that the window closes and
-//! other files are opened without a question.
+//! session has its own file: it is written when the user saves it. Until then changes are stored next to the documents,
+//! and restored when the session is opened again (`document/unsaved.rs`), so that the window closes and other files are
+//! opened without a question.
 
 use super::State;
 use super::keeper::Keeper;

@@ -295,7 +295,7 @@ impl State {
         std::mem::take(&mut self.shared.requests)
     }
 
-    /// When [`State::update`] has something to do by itself.
+    /// Time at which [`State::update`] has something to do without input.
     pub fn next_deadline(&self) -> Option<Duration> {
         let own = [
             self.player.as_ref().and_then(Player::next_deadline),

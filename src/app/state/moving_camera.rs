@@ -69,7 +69,7 @@ impl State {
         self.notices.info("The view was copied as text");
     }
 
-    /// Puts the camera where a text says that [`Command::COPY_VIEW`](crate::app::Command::COPY_VIEW) made.
+    /// Sets the camera from a text made by [`Command::COPY_VIEW`](crate::app::Command::COPY_VIEW).
     pub fn paste_view(&mut self, text: &str) {
         match text.parse() {
             Ok(camera) => {

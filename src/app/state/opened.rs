@@ -23,7 +23,7 @@ pub(in crate::app) struct Opened {
     pub(in crate::app) is_damaged: bool,
 }
 
-/// A session that opens more than the files of its folder, and is not opened before somebody says so.
+/// A session that opens more than the files of its folder, and is not opened before the user allows it.
 #[derive(Debug)]
 pub struct SessionQuestion {
     pub(in crate::app) inputs: Vec<PathBuf>,

@@ -11,7 +11,7 @@ use crate::sequence::OpenOptions;
 use std::fmt;
 use std::sync::Arc;
 
-/// Settings that override those of a document.
+/// Settings that override a document's.
 #[derive(Clone)]
 pub struct GivenStyle(Arc<dyn Fn(Settings) -> Settings + Send + Sync>);
 

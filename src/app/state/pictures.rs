@@ -109,7 +109,7 @@ impl State {
     }
 
     /// The packet of the other side of a comparison, or of the other sequence, if it differs from the last one. To be
-    /// asked for after [`State::next_packet`].
+    /// called after [`State::next_packet`].
     pub fn next_other_packet(&mut self) -> Option<ScenePacket> {
         if self.features.split_view.is_some() {
             return self.next_packet_second();

@@ -24,7 +24,7 @@ pub(in crate::app) enum PictureStage {
     AllPoints,
     /// Surfels of the visible part, while those of all points are being estimated.
     SurfelsInView,
-    /// All that was asked for.
+    /// Everything that was requested.
     Whole,
 }
 

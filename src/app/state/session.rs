@@ -1,4 +1,4 @@
-//! Sessions: saved with all that a person has made around the open sequence, and taken up again.
+//! Sessions: saved with all of the user's work around the open sequence, and reopened.
 
 use super::State;
 use super::dialogs::Dialog;
@@ -174,7 +174,7 @@ impl State {
         self.session_file().is_some() && self.is_unsaved() && !self.is_persisted()
     }
 
-    /// Shows `sequence`, which is of a session, as that says.
+    /// Shows `sequence` of a session, in the session's state.
     pub fn open_session(&mut self, sequence: Arc<Sequence>, read: ReadSession) {
         let ReadSession {
             file,
@@ -212,7 +212,7 @@ impl State {
             }
         });
         self.shared.options.is_fresh = false;
-        // A document reopened in place has no file of its own.
+        // A document reopened in place does not have its own file.
         self.opening.keeper.unsaved = (!file.as_os_str().is_empty())
             .then(|| self.unsaved_place(&file, text_hash))
             .flatten();

@@ -82,7 +82,7 @@ pub struct Options {
     pub screenshot: Option<PathBuf>,
     /// Number of frames shown before the screenshot; at least 1.
     pub after_frames: u64,
-    /// Commands that are run as if a person had asked for them.
+    /// Commands that are run as if by the user.
     pub script: Option<Script>,
     /// End the GPU device after this many images, as a crashed driver would: for tests.
     pub lose_device_after: Option<u64>,
@@ -107,7 +107,7 @@ pub enum AppError {
     /// The window was closed before it had measured itself.
     #[error("the window was closed before all was measured")]
     Closed,
-    /// The screenshot that was asked for could not be made.
+    /// The requested screenshot could not be made.
     #[error("{0}")]
     Screenshot(String),
 }
@@ -197,9 +197,9 @@ struct App {
     stage_shown: Option<PictureStage>,
     /// Visible change since the last redraw.
     change: VisibleChange,
-    /// The window system asks for the window that it has lost.
+    /// The window system has lost the window's contents.
     is_exposed: bool,
-    /// A redraw was asked for.
+    /// A redraw was requested.
     is_redraw_queued: bool,
     /// When egui wants to be run again.
     repaint_at: Option<Duration>,
@@ -210,7 +210,7 @@ struct App {
     last_panels: Duration,
     /// Refresh interval of the screen.
     refresh_interval: Duration,
-    /// The size of the window that was looked at last for the preferences.
+    /// The last checked size of the window, for the preferences.
     noted_size: Option<PhysicalSize<u32>>,
     rebuilt_at: Vec<Duration>,
     /// Benchmark that drives the window.

@@ -15,7 +15,7 @@ pub struct SavedFile(pub PathBuf);
 /// Destination of an image.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::app) enum PicturePlace {
-    /// This file, which is replaced if it is there: the person was asked.
+    /// This file, which is replaced if it exists: the user was asked.
     File(PathBuf),
     /// A new file.
     New {
@@ -114,7 +114,7 @@ pub(in crate::app) fn picture_folder() -> PathBuf {
         .unwrap_or_default()
 }
 
-/// The person's folder of documents if the system has one, else where the program was started.
+/// The user's Documents folder if the system has one, else the working directory.
 pub(in crate::app) fn document_folder() -> PathBuf {
     directories::UserDirs::new()
         .and_then(|folders| folders.document_dir().map(PathBuf::from))

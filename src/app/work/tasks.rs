@@ -15,7 +15,7 @@ pub type Wake = Arc<dyn Fn() + Send + Sync>;
 /// Outcomes that wait for the window; a task that finds it full waits in its own thread.
 const CHANNEL_LENGTH: usize = 64;
 
-/// A task failed; the text says which and why, for the person.
+/// A task failed; the text names it and the reason, for the user.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TaskFailed(pub String);
 

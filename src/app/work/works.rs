@@ -198,7 +198,7 @@ impl Works {
     }
 }
 
-/// The time left as a person reads it.
+/// The time left as display text.
 pub(in crate::app) fn left_text(left: Option<Duration>) -> String {
     let Some(left) = left else {
         return "…".to_owned();

@@ -15,7 +15,7 @@ enum Format {
 pub struct Column {
     /// Its name in JSON and CSV; carries the unit.
     pub key: &'static str,
-    /// Its name for people.
+    /// Its display name.
     pub title: &'static str,
     /// False for columns in files only.
     pub is_shown: bool,

@@ -75,7 +75,7 @@ impl Report {
         self.options.suite
     }
 
-    /// All columns, in the order of the cells of a row; those with [`Column::is_shown`] are for people.
+    /// All columns, in the order of the cells of a row; those with [`Column::is_shown`] are displayed.
     pub fn all_columns(&self) -> &'static [Column] {
         self.suite().columns
     }
@@ -196,7 +196,7 @@ impl Report {
         serde_json::to_string_pretty(self).unwrap_or_default()
     }
 
-    /// Columns of a table for people, with their place in a row: those that some row of it fills.
+    /// Displayed columns of a table, with their place in a row: those that some row of it fills.
     fn shown(&self, table: &str) -> impl Iterator<Item = (usize, &'static Column)> {
         self.all_columns().iter().enumerate().filter(move |&(index, column)| {
             let is_filled = |row: &Row| row.cells.get(index).is_some_and(|cell| *cell != Cell::Missing);

@@ -165,7 +165,7 @@ fn measure_sequence(
     Ok(())
 }
 
-/// A packet with a visible set of its own: each viewpoint keeps its voxels resident.
+/// A packet with its own visible set: each viewpoint keeps its voxels resident.
 fn packet(
     run: &Run<'_>,
     subject: &Subject<'_>,

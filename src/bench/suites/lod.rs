@@ -27,7 +27,7 @@ use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 const STRUCTURE_TABLE: &str = "structures";
 const PASS_TABLE: &str = "passes";
 
-/// Columns of both tables; the first says which one a row belongs to.
+/// Columns of both tables; the first names the table of a row.
 const COLUMNS: &[Column] = &[
     Column::text(Column::TABLE, "table"),
     Column::text("sequence", "sequence"),

@@ -1,8 +1,8 @@
 //! Real-time playback of a sequence as in the window, counting the frames that a user would see.
 //!
-//! How it works: a player with a loader of its own is asked at each deadline, and whenever the loader has something
-//! new, which frame to show; each image is drawn at once, by the CPU where the window would choose it. Nothing is
-//! presented, so an image costs only its drawing. The loop ends after the requested number of frames.
+//! How it works: a player with its own loader determines the frame to show at each deadline, and whenever the loader
+//! has something new; each image is drawn at once, by the CPU where the window would choose it. Nothing is presented,
+//! so an image costs only its drawing. The loop ends after the requested number of frames.
 //!
 //! Results: if the frame rate is held, at what cost in points, and if memory use is stable.
 
@@ -72,7 +72,7 @@ pub const PLAY: &Suite = &Suite {
 
 const PRIMITIVES: [Primitive; 3] = [Primitive::Point, Primitive::Surfel, Primitive::Voxel];
 
-/// Frames between two looks at memory.
+/// Frames between two measurements of memory.
 const LOOK_EVERY: u64 = 64;
 
 pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {

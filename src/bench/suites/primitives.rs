@@ -5,7 +5,7 @@
 //! triangles: those of the file, or of a mesh with as many vertices as the torus has points. CPU and adapter draw the
 //! same images in turn. As in the paper, a rate is the sum of all points over the sum of all times. Points of a size in
 //! the scene are about as large as the disks of surfels, so that all but single pixels cover the same area. Splats are
-//! drawn as each geometry that the adapter has for them, of which the CPU needs none: there its times are equal.
+//! drawn with each geometry that the adapter has for them; the CPU needs none: there its times are equal.
 //!
 //! The second table has the time of each pass on the adapter's clock. The third counts what the shaders of each pass
 //! do, in naga's intermediate representation, next to the instruction counts of the paper.
@@ -36,7 +36,7 @@ const SPEED: &str = "speed";
 const PASSES: &str = "passes";
 const COMPLEXITY: &str = "complexity";
 
-/// Columns of all tables; the first says which one a row belongs to.
+/// Columns of all tables; the first names the table of a row.
 const COLUMNS: &[Column] = &[
     Column::text(Column::TABLE, "table"),
     Column::text("sequence", "sequence"),

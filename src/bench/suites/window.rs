@@ -235,7 +235,7 @@ pub fn window_report(inputs: &[Input], options: BenchOptions, actions: &[WindowA
     report
 }
 
-/// A report that another process wrote as JSON. `Err` is a text for the person.
+/// A report that another process wrote as JSON. `Err` is a text for the user.
 pub fn window_report_of_json(json: &str) -> Result<Report, String> {
     let no_report = |reason: &dyn std::fmt::Display| format!("the report cannot be read: {reason}");
     let read: serde_json::Value = serde_json::from_str(json).map_err(|error| no_report(&error))?;

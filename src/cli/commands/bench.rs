@@ -163,7 +163,7 @@ fn defaults(value_of: impl Fn(&Suite) -> String) -> String {
     groups.collect::<Vec<_>>().join("; ")
 }
 
-/// Fails where an option was given for which the suite has no use.
+/// Fails if an option was given that the suite does not use.
 fn refuse_foreign_options(arguments: &BenchArgs) -> anyhow::Result<()> {
     let suite = arguments.suite;
     for (group, options, is_given) in [

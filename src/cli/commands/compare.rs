@@ -112,7 +112,7 @@ pub(in crate::cli) fn run(arguments: &CompareArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The answer for people.
+/// The answer as text.
 fn table(comparison: &Comparison, pixel_count: u64) -> String {
     let Comparison {
         reference,
@@ -149,7 +149,7 @@ fn table(comparison: &Comparison, pixel_count: u64) -> String {
     rows.map(|(name, value)| format!("{name:<20}{value}")).join("\n")
 }
 
-/// A PNG file as 8-bit RGBA; says so where that loses something.
+/// A PNG file as 8-bit RGBA; warns where that loses precision.
 fn read(path: &Path) -> anyhow::Result<RgbaImage> {
     let name = path.display();
     match fs::metadata(path) {

@@ -103,7 +103,7 @@ struct FrameInfo {
     file: String,
     /// The frame's own name: the file, and the part where it has several.
     name: String,
-    /// The file with its normals, where they have one of their own.
+    /// The file with its normals, where they are in a separate one.
     #[serde(skip_serializing_if = "Option::is_none")]
     normals_file: Option<String>,
     /// By the time stamp of the file or its name.

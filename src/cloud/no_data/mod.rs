@@ -5,10 +5,10 @@
 //! than the points are apart. So the *bulk* of a cloud is measured first ([`bulk`]), by a sample from which candidates
 //! are removed. A point is missing if
 //!
-//! - it is at 0 0 0, away from the bulk, or again and again in a void of its own,
+//! - it is at 0 0 0, away from the bulk, or repeatedly, alone in a void,
 //! - it is at exactly the same place, or distance from 0 0 0, as many other points ([`repeats`]),
 //! - a coordinate is a constant that programs are known to write, away from the bulk along that axis,
-//! - a coordinate is exactly 0, as that of many other points, while the bulk is elsewhere along that axis,
+//! - a coordinate is exactly 0, as in many other points, while the bulk is elsewhere along that axis,
 //! - it is more than a thousand diagonals away: no image shows it together with the rest.
 //!
 //! Where the box around all points is as large as the bulk suggests, nothing is searched: one pass over the points.
@@ -221,7 +221,7 @@ impl MissingPoints {
 /// Search scope for missing points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FoundIn {
-    /// Points that were looked at.
+    /// Number of examined points.
     pub point_count: usize,
     /// Points of the frame, where these are a sample of it.
     pub whole_count: Option<usize>,

@@ -2,8 +2,8 @@
 //! return, whatever number it is.
 //!
 //! **How it works.** Points a few diagonals away from the bulk are sorted by their bits, then by their distances. Runs
-//! of equal ones are missing if they are many, and a share of the far points: a real object out there has as many
-//! places as points. Equal distances are the maximum range of a sensor without a return, if they lie in many
+//! of equal ones are missing if they are many, and a share of the far points: a real object out there has a different
+//! place for each point. Equal distances are the maximum range of a sensor without a return, if they lie in many
 //! directions. A place near the bulk is missing if it is by far the most frequent one and alone in a void.
 
 use super::bulk::{Bulk, Extent, key};

@@ -53,7 +53,7 @@ const SCALARS: [&str; 22] = [
     "range",
 ];
 
-/// True when a column of this name is not a scalar, where there is no other of the same meaning.
+/// True if a column of this name is not a scalar, unless there is another of the same meaning.
 pub(in crate::io) fn is_reserved(name: &str) -> bool {
     let name = name.to_ascii_lowercase();
     let name = name.as_str();
@@ -79,7 +79,7 @@ pub(super) struct Roles {
 /// Location of the colours.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::io) enum Colors {
-    /// Red, green and blue in columns of their own.
+    /// Red, green and blue in separate columns.
     Channels { channels: [usize; 3], alpha: Option<usize> },
     /// All in one number.
     Packed(usize),

@@ -69,7 +69,7 @@ impl ColumnMap {
         Self(parsed)
     }
 
-    /// Values per point, if the user says so.
+    /// Values per point, if given by the user.
     pub(in crate::io) fn width(self) -> Option<usize> {
         self.0.width
     }

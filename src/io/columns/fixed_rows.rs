@@ -30,7 +30,7 @@ use std::time::{Duration, Instant};
 /// often.
 const PIECE_BYTES: usize = 1 << 20;
 
-/// Rows that a thread looks for one after the other, and between two looks at the clock.
+/// Rows that a thread reads one after the other, between two checks of the clock.
 const ROWS_PER_TASK: usize = 1 << 13;
 const ROWS_PER_LOOK: usize = 1 << 5;
 

@@ -141,7 +141,7 @@ impl Growing {
         }
     }
 
-    /// [`Growing::append`] of columns that have all rows: each array by a thread of its own.
+    /// [`Growing::append`] of columns that have all rows: each array by its own thread.
     fn append_all(&self, columns: &[Column<'_>], count: usize) {
         let vectors = || {
             let coordinates = self.roles.positions.map(|index| &columns[index]);

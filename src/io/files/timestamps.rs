@@ -44,8 +44,8 @@ impl TimeNotation {
 /// Times of day further apart are not times of frames.
 const MAX_STEP: Duration = Duration::from_mins(5);
 
-/// Returns the timestamps in `names`, which are in order: since 1970, or since an epoch of their own. All are `None`
-/// unless all are times that increase.
+/// Returns the timestamps in `names`, which are in order: since 1970, or since another epoch. All are `None` unless all
+/// are times that increase.
 pub(crate) fn times_of_names(names: &[&str]) -> Vec<Option<Duration>> {
     let of_notation = |notation: TimeNotation| -> Option<Vec<Option<Duration>>> {
         let times: Vec<Duration> = names
@@ -56,7 +56,7 @@ pub(crate) fn times_of_names(names: &[&str]) -> Vec<Option<Duration>> {
         // If they are three two-digit counters, there is a step of more than a few minutes somewhere.
         let is_close = |pair: &[Duration]| pair[1].saturating_sub(pair[0]) <= MAX_STEP;
         let grow = grow && (notation != TimeNotation::TimeOfDay || times.windows(2).all(is_close));
-        // The name of a single file says when it was recorded, not which frame it is.
+        // The name of a single file has its recording time, not its place among frames.
         (grow && times.len() > 1).then(|| times.into_iter().map(Some).collect())
     };
     // A date may belong to the whole recording: then another number in the names is the time.

@@ -202,8 +202,8 @@ struct Estimate {
     is_clear: bool,
 }
 
-/// The width among `widths` that fits best; `None` where the file has no such size, an error where its values are none
-/// at all widths.
+/// The width among `widths` that fits best; `None` where no width fits the size of the file, an error where its values
+/// are implausible at all widths.
 fn estimate(bytes: &[u8], widths: &[usize], positions: [usize; 3], min: usize) -> Result<Option<Estimate>, Fault> {
     let mut problem = None;
     let mut smooth: Vec<(usize, f64)> = Vec::new();

@@ -82,7 +82,7 @@ fn cloud(mesh: &Mesh) -> Result<RawCloud, Fault> {
     Ok(cloud)
 }
 
-/// Makes a scalar field of each number of the attributes that a cloud has no other place for.
+/// Makes a scalar field of each number of the attributes without another place in a cloud.
 fn add_fields(mesh: &Mesh, count: usize, cloud: &mut RawCloud) -> Result<(), Fault> {
     let mut names = UniqueNames::default();
     for index in 0..mesh.num_attributes() {

@@ -67,7 +67,7 @@ struct Mesh {
 }
 
 impl Mesh {
-    /// The number of the vertex at `position`, which is a new one where none is there yet.
+    /// The number of the vertex at `position`, a new one if there is none yet.
     fn vertex(&mut self, position: [f32; 3], color: [u8; 4], options: &ReadOptions) -> Result<u32, Fault> {
         /// Bytes per entry of the index of positions, including the free slots of such tables.
         const INDEX_BYTES: usize = 40;

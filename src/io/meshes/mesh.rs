@@ -2,8 +2,8 @@
 //!
 //! The faces are put in the order of a curve that fills space (Morton's), so that neighbours on the surface are mostly
 //! neighbours in the order, and their areas are added up along it. Sample `i` of `n` lies at `(i + 1/2) / n` of the
-//! whole area: every face, and every patch of neighbouring faces, gets the number of points that its area is due, give
-//! or take one. Within a face the place is the `i`th of the triangular van der Corput sequence (Basu and Owen, 2015),
+//! whole area: every face, and every patch of neighbouring faces, gets the number of points due to its area, give or
+//! take one. Within a face the place is the `i`th of the triangular van der Corput sequence (Basu and Owen, 2015),
 //! which cuts a triangle into four again and again and visits the parts in turn: consecutive samples keep their
 //! distance, whether a face has one of them or all.
 //!

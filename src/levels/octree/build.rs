@@ -2,12 +2,12 @@
 //!
 //! How it works:
 //! 1. Points become 63-bit Morton codes, which are sorted. The points of any cell of any level are now consecutive.
-//! 2. For each code the level at which it *parts* from the one before it is noted: it is the first point of its cell
+//! 2. For each code the level at which it *parts* from the one before it is recorded: it is the first point of its cell
 //!    there and on every deeper level. A histogram of these levels, summed up, counts the occupied cells of every
 //!    level, so one scan answers the stop criterion for all depths.
 //!
 //! That is all: nodes are read off the parting levels when they are needed. Leaves on several levels are runs of points
-//! (`spacing.rs`); leaves with a maximum number of points, which the paper only compares with, are counted in one
+//! (`spacing.rs`); leaves with a maximum number of points, which the paper uses only for comparison, are counted in one
 //! traversal of the tree.
 
 use super::sorted_points::SortedPoints;

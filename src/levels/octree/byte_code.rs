@@ -84,7 +84,7 @@ impl Octree {
     /// Morton order.
     ///
     /// At depth 0 the code has no bytes and stands for the root. (An octree without points has no code: nothing to
-    /// store.) Memory is bounded by the bytes there are: eight cells for each.
+    /// store.) Memory is bounded by the length of the code: eight cells per byte.
     pub fn cells_from_masks(masks: &[u8], depth: u32) -> Result<Vec<[u32; 3]>, OctreeError> {
         if depth > LEVELS {
             return Err(OctreeError::TooDeep { depth });

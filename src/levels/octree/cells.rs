@@ -8,7 +8,7 @@ use crate::levels::cut::NodeRange;
 use fearless_simd::{Level, dispatch};
 use std::ops::Range;
 
-/// Partings looked at in registers.
+/// Number of partings examined in registers.
 const ROW: usize = 64;
 
 /// From this number of points on, the end of a cell is found by bisection. Each of its steps waits for memory, while

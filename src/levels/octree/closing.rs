@@ -1,14 +1,14 @@
 //! Morphological closing of the cells of a level, as far as they touch leaves.
 //!
 //! How it works: a cell without points between two that hold some, opposite each other across a face, an edge or a
-//! corner of it (13 directions), is closed; then those between closed ones are, which makes holes of several cells
+//! corner of it (13 directions), is closed; then cells between closed ones are, so that holes of several cells
 //! disappear.
 //!
 //! Sixty-four cells (4×4×4) are a block, and one word. The words of the 27 blocks around one are shifted along each
 //! axis, after which 13 comparisons close all cells of the block.
 //!
 //! When it wins: blocks around are looked up once, so a cell costs about as much as a few comparisons. Blocks without
-//! adjacent leaves are not looked at.
+//! adjacent leaves are skipped.
 
 use super::gap::Gap;
 use super::sorted_points::SortedPoints;

@@ -1,4 +1,4 @@
-//! A cell that is drawn without points of its own.
+//! A cell that is drawn without having points.
 
 /// A gap: a cell without points that is drawn like an adjacent leaf.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -161,6 +161,6 @@ fn filled_gaps_have_leaf_colors_and_distinct_positions() {
         CutHints::default(),
     );
     assert!(tree.gaps_of(&coarse).is_empty());
-    // Nor are there any where leaves are not as large as the spacing.
+    // Nor are there gaps where leaves are smaller than the spacing.
     assert!(of_tree(&tree.with_stop(StopCriterion::PAPER)).is_empty());
 }

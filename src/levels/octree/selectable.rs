@@ -40,7 +40,7 @@ impl Parts {
     }
 }
 
-/// The array of all parts that were asked for.
+/// The array of all requested parts.
 #[derive(Debug, Default)]
 pub(super) struct Selectable(Mutex<Option<SideBySide>>);
 

@@ -25,7 +25,7 @@ pub(super) struct SortedPoints {
     pub(super) occupied: OccupiedCells,
     /// Colours summed over the points before each, and over all of them.
     pub(super) colors_before: Vec<ColorSum>,
-    /// Voxels of coarse levels that are drawn again and again.
+    /// Voxels of coarse levels that are drawn repeatedly.
     pub(super) voxels: CachedLevels<VoxelRecord>,
     /// True if the points were given in this order.
     pub(super) are_as_given: bool,
@@ -155,8 +155,8 @@ fn partings_in_order(cells: &[PackedCell]) -> Option<Vec<u8>> {
     are_in_order.then_some(partings)
 }
 
-/// Writes the levels at which all but the first of `cells` part from the ones before them, as far as they are asked
-/// for, or to where their codes do not ascend; whether they do.
+/// Writes the levels at which all but the first of `cells` part from the ones before them, as far as requested, or up
+/// to the first code that does not ascend; returns true if all ascend.
 fn write_partings(cells: &[PackedCell], partings: &mut [u8]) -> bool {
     dispatch!(Level::new(), _simd => {
         let mut cells = cells;
@@ -168,7 +168,7 @@ fn write_partings(cells: &[PackedCell], partings: &mut [u8]) -> bool {
     })
 }
 
-/// Points that are looked at before it is asked whether they ascend.
+/// Points that are examined between two checks that they ascend.
 const BLOCK: usize = 256;
 
 #[inline(always)]

@@ -163,7 +163,7 @@ fn is_cached(level: u32, cells: &OccupiedCells) -> bool {
 }
 
 impl SortedPoints {
-    /// The leaves that the spacing of the points asks for. Precondition: there are points.
+    /// The leaves that the spacing of the points requires. Precondition: there are points.
     pub(super) fn leaves_by_spacing(&self) -> LeavesBySpacing {
         let census = Census::new(&self.partings);
         let root = NodeRange {

@@ -31,7 +31,7 @@ pub enum StopCriterion {
 }
 
 impl StopCriterion {
-    /// The δ of 5 % that the paper found good for its sequences: most points have a leaf of their own.
+    /// The δ of 5 % that the paper found good for its sequences: most points have their own leaf.
     pub const PAPER: Self = Self::Loss(0.05);
 
     /// Returns the stop criterion for surfels, whose leaves are drawn as the points that they hold: leaves that are as

@@ -49,7 +49,7 @@ const FIRST_CONE_LEVEL: u32 = 3;
 const POINTS_PER_CONE: usize = 16;
 
 impl LodSurfels {
-    /// The surfels of `octree`, from the records of its points. Nothing is worked out yet.
+    /// The surfels of `octree`, from the records of its points. Nothing is computed yet.
     ///
     /// # Panics
     /// Preconditions: a record of each kind for each point, in the order of the points the tree was built from, which
@@ -102,7 +102,7 @@ impl LodSurfels {
         &level.records
     }
 
-    /// Most bytes that the levels can come to, worked out or not.
+    /// Max bytes of the levels, computed or not.
     pub fn max_bytes(&self) -> usize {
         let sorted = &self.octree.points;
         let above_leaves = &sorted.occupied[..self.octree.depth() as usize];

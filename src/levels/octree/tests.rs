@@ -41,7 +41,7 @@ pub(super) fn random_colors(count: usize, random: &mut Random) -> Vec<[u8; 4]> {
     (0..count).map(|_| (random.next_bits() as u32).to_le_bytes()).collect()
 }
 
-/// Everything a tree says, against brute force.
+/// Checks all results of a tree against brute force.
 fn check_tree(positions: &[Vec3], delta: f32) {
     let colors = random_colors(positions.len(), &mut Random(9));
     let tree = Octree::build(positions, &colors, StopCriterion::Loss(delta));

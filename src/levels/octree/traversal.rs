@@ -155,7 +155,7 @@ pub(super) struct Traversal<'a> {
     before: Option<CutByPoints<'a>>,
 }
 
-/// A node to be looked at.
+/// A node to be visited.
 struct Visit {
     node: NodeRange,
     cell: [u32; 3],

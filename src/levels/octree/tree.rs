@@ -64,10 +64,10 @@ impl Octree {
         self.points.cells.len()
     }
 
-    /// Share of the points that have no leaf of their own, `1 − leaves/n`; 0 without points. Where all leaves are on
-    /// level h this is the paper's `1 − oct(h)/n`.
+    /// Share of the points without their own leaf, `1 − leaves/n`; 0 without points. Where all leaves are on level h
+    /// this is the paper's `1 − oct(h)/n`.
     ///
-    /// It can exceed the δ asked for when points share a cell even at level 21: n points that all coincide are one
+    /// It can exceed the requested δ where points share a cell even at level 21: n points that all coincide are one
     /// occupied cell and a loss of `1 − 1/n`.
     pub fn loss(&self) -> f32 {
         if self.point_count() == 0 {

@@ -55,7 +55,7 @@ impl Octree {
         self.write_ranges(&cut.ranges, out);
     }
 
-    /// Adds the voxels of gaps: cubes of their own in the colours of the adjacent leaves.
+    /// Adds the voxels of gaps: separate cubes in the colours of the adjacent leaves.
     pub fn add_gap_voxels(&self, gaps: &[Gap], out: &mut Vec<VoxelRecord>) {
         let before = out.len();
         add_gaps(gaps, &self.voxel_writer(), out);

@@ -67,8 +67,7 @@ impl Moments {
     }
 }
 
-/// The packed ellipses of all nodes, whose packed normals are asked for by their index; `None` where all points are
-/// disks.
+/// The packed ellipses of all nodes, whose packed normals are read by index; `None` where all points are disks.
 pub(super) fn ellipses_of(
     division: &Division,
     points: &[PointRecord],

@@ -1,8 +1,8 @@
-//! Per-node filter of a sequence, which determines the drawn nodes by a test of each: the GPU runs it by itself.
+//! Per-node filter of a sequence, which determines the drawn nodes by a test of each: the GPU runs it itself.
 //!
-//! How it works: bisection finds the prefix in which anything may be drawn (`sequential.rs`). Of its nodes, the
-//! *candidates*, those are drawn that are small, or leaves, and whose parents are divided. So a view is a rule and two
-//! numbers, and no list of nodes is built. A sequence that is filtered remembers nothing of the previous view.
+//! How it works: bisection finds the prefix in which anything may be drawn (`sequential.rs`). Among its nodes, the
+//! *candidates*, the drawn ones are small, or leaves, and have divided parents. So a view is a rule and two numbers,
+//! and no list of nodes is built. A filtered sequence retains nothing of the previous view.
 
 use super::bounds::Bounds;
 use super::cone::Cone;

@@ -6,8 +6,7 @@
 //! | 13–26 | normal: octahedral coordinates of 7 bits each |
 //! | 27–28 | half-angle of the normal cone: sines of 1/16, 4/16 and 9/16; 3 is a cone of all directions |
 //! | 29–44 | colour: 5 bits of red, 6 of green, 5 of blue |
-//! | 45–47 | children: 0 for a leaf; 1 to 4 for that number of leaves; 5 to 7 for 2 to 4 children, some of which have
-//! children |
+//! | 45–47 | children: 0 for a leaf; 1 to 4 for that number of leaves; 5 to 7 for 2 to 4 children, not only leaves |
 
 use super::cone::Cone;
 use super::sphere_code::SPHERE_BITS;

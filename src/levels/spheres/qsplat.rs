@@ -265,7 +265,7 @@ struct Descent<'a> {
     before: WasDivided,
 }
 
-/// A node with children to be looked at.
+/// A node with children to be visited.
 struct Visit {
     name: usize,
     code: NodeCode,

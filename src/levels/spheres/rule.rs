@@ -25,7 +25,7 @@ pub(super) enum NodeClass {
     Dropped,
     /// It is drawn, if its parent is divided.
     Small,
-    /// Its children are looked at.
+    /// Its children are visited.
     Divided,
 }
 

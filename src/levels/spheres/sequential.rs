@@ -2,9 +2,9 @@
 //!
 //! How it works: a node can only be drawn while its parent is not small, so nodes are sorted by the radius of their
 //! parents, which is `r_max` at an error of 1. Bisection finds the number that may be drawn; each of these is then
-//! tested by itself (`rule.rs`), in the order of memory. Parents come before their children, and their results are
-//! looked up. Leaves are points of the frame and are drawn as points if their parents are divided. Leaves of one parent
-//! are consecutive, so CPUs test none of them.
+//! tested individually (`rule.rs`), in memory order. Parents come before their children, and their results are reused.
+//! Leaves are points of the frame and are drawn as points if their parents are divided. Leaves of one parent are
+//! consecutive, so CPUs test none of them.
 //!
 //! *One sequence* of the whole tree tests nodes in a prefix that ignores the frustum. *A hierarchy of sequences*
 //! ([`HIERARCHY_POINTS`]; after Windisch et al. 2025) has one for each subtree of a few points: the nodes above are

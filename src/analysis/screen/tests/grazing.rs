@@ -307,8 +307,8 @@ fn the_sides_of_a_box_are_visible_up_to_their_edges_and_points_behind_are_hidden
         });
         let [front, one_side, other_side, wall] = shares;
         let (seen, unseen) = (one_side.max(other_side), one_side.min(other_side));
-        // Next to the edge, the points in front of a point lie on two planes, of which the front one is not steep. A
-        // hidden side shows through the gaps between points that are far apart.
+        // Next to the edge, the points in front of a point lie on two planes; the front one is not steep. A hidden side
+        // shows through the gaps between points that are far apart.
         assert!(
             front > 0.99 && seen > 0.5 && unseen < 0.25 && wall == 0.0,
             "{px_per_spacing}: {shares:?}"

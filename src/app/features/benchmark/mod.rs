@@ -1,4 +1,4 @@
-//! A benchmark on a thread of its own, with its progress and its result as plain data for the panel.
+//! A benchmark on its own thread, with its progress and its result as plain data for the panel.
 
 mod hit;
 mod in_window;
@@ -32,7 +32,7 @@ pub enum ReportFormat {
 }
 
 impl ReportFormat {
-    /// Its name for people.
+    /// Its display name.
     pub(in crate::app) fn name(self) -> &'static str {
         match self {
             Self::Json => "JSON",
@@ -80,7 +80,7 @@ pub struct BenchmarkTable {
     pub rates: Vec<Arc<RatePoint>>,
 }
 
-/// The work of a benchmark: reports its steps, stops soon after it was cancelled. `Err` is a text for the person.
+/// The work of a benchmark: reports its steps, stops soon after it was cancelled. `Err` is a text for the user.
 pub type BenchmarkJob = Box<dyn FnOnce(&dyn Fn(Step), &Progress) -> Result<BenchmarkTable, String> + Send>;
 
 impl Message for BenchmarkEnded {}

@@ -154,7 +154,7 @@ impl State {
         losses.chain(of_session).collect()
     }
 
-    /// True if nothing is lost when the window closes; else the person is asked, and closing it again closes it.
+    /// True if nothing is lost when the window closes; else the user is asked, and closing it again closes it.
     pub fn may_close(&mut self) -> bool {
         if self.features.path.question == Some(Question::Quit) || self.losses().is_empty() {
             return true;

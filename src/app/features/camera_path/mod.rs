@@ -22,7 +22,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// From one keyframe to the next, unless a person says otherwise, seconds.
+/// Default time from one keyframe to the next, seconds.
 const DEFAULT_STEP_S: f64 = 2.0;
 
 /// The camera path of the window.

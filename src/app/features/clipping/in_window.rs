@@ -36,7 +36,7 @@ impl State {
         })
     }
 
-    /// Has a box around all frames take in those that were read since.
+    /// Extends a box around all frames to those read since.
     pub(in crate::app) fn follow_clip(&mut self) {
         let clip = self.style.clip;
         if clip.is_some_and(|clip| clip.is_on && self.features.clipping.is_around_all(&clip))

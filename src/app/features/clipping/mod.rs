@@ -123,7 +123,7 @@ impl Clipping {
         self.around_all == Some(clip.shape)
     }
 
-    /// Has a box that was put around all frames take in those that have become known.
+    /// Extends a box around all frames to those that have become known.
     pub(in crate::app) fn grow(&mut self, clip: &mut Option<Clip>, frames: &ClippedFrames) {
         if let Some(clip) = clip.as_mut()
             && matches!(clip.shape, ClipShape::Box { .. })

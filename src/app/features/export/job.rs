@@ -1,4 +1,4 @@
-//! An export on a thread of its own: all that it needs is taken when it begins, so the window goes on living.
+//! An export on its own thread: all of its inputs are taken when it begins, so the window stays usable.
 
 use super::plan;
 use crate::app::work::outcome::Message;

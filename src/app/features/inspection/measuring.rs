@@ -9,7 +9,7 @@ use crate::scene::MeasurementKind;
 use glam::DVec3;
 use std::fmt::Write as _;
 
-/// A value of `kind` as a person reads it, lengths in `unit`.
+/// A value of `kind` as display text, lengths in `unit`.
 pub(super) fn value_text(kind: MeasurementKind, value: Option<f64>, unit: Option<LengthUnit>) -> String {
     match (kind, value) {
         (_, None) => "none".to_owned(),

@@ -1,4 +1,4 @@
-//! Points that a person has clicked on: which they are, and where they are in the frame that is shown.
+//! Points that a user has clicked on, and their positions in the shown frame.
 
 mod anchor;
 mod in_window;

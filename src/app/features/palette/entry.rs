@@ -30,7 +30,7 @@ pub(in crate::app) struct Entry {
     pub(in crate::app) text: Cow<'static, str>,
     /// A sentence about it; found as well, ranked below entries with the words in their names.
     pub(in crate::app) hint: &'static str,
-    /// Its keys for people; empty without any.
+    /// Its keys as display text; empty without any.
     pub(in crate::app) keys: &'static str,
     pub(in crate::app) action: Action,
     /// Another name, found as its text is.

@@ -49,7 +49,7 @@ impl Feature<State> for FeatureOf<Palette> {
     }
 }
 
-/// The list of all that can be asked for.
+/// Shows the command palette.
 fn palette(ui: &mut Ui, state: &mut State) {
     let Some(search) = &state.features.palette.search else {
         return;
@@ -110,7 +110,7 @@ pub(super) fn entries(state: &State, number: Option<f64>) -> Vec<Entry> {
         .collect()
 }
 
-/// A command, by a name that says enough outside of its menu.
+/// A command, by a name that is clear outside of its menu.
 fn of_row(state: &State, row: &'static Row) -> Entry {
     let title = row.title(state);
     let (text, other_name) = if title == row.title {

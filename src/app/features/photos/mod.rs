@@ -55,7 +55,7 @@ const SHARES: u64 = FRAMES_AHEAD as u64 + 3;
 pub struct Photos {
     /// Visibility of the camera frusta in the rendered view.
     pub shows_frusta: bool,
-    /// The one that was asked for last comes last.
+    /// Least recently used first.
     loaded: Vec<LoadedSet>,
     /// The set of the shown frame.
     shown: Option<Arc<ViewSet>>,

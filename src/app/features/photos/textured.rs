@@ -29,7 +29,7 @@ const RETAINED_BYTES: usize = 256 << 20;
 pub(super) struct Parts {
     pub(super) frame: Arc<PreparedFrame>,
     pub(super) posed_images: Arc<PosedImages>,
-    /// Depths are of disks as large as this says.
+    /// Depths are of disks of this size.
     pub(super) surfels: SurfelStyle,
 }
 
@@ -117,10 +117,10 @@ impl TexturedFrame {
     }
 }
 
-/// Those that are there, and the one that is made.
+/// Finished frames, and the one being made.
 #[derive(Debug, Default)]
 pub(super) struct TexturedFrames {
-    /// The one that was asked for last comes last.
+    /// Least recently used first.
     made: Vec<TexturedFrame>,
     running: Option<Parts>,
     /// Parts drawn without input images, or with others.

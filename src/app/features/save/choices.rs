@@ -36,7 +36,7 @@ impl PrecisionKind {
         matches!(self, Self::PointSpacing | Self::Length | Self::Lossless)
     }
 
-    /// Returns this precision with the points of each cell merged or not, where that is a choice of its own.
+    /// Returns this precision with the points of each cell merged or not, where that is a separate choice.
     pub(super) fn merged(self, merges: bool) -> Self {
         match (self, merges) {
             (Self::PointSpacing, true) => Self::SamplingDensity,

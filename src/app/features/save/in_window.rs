@@ -67,7 +67,7 @@ impl State {
         self.features.save.output(&self.sequence_stem())
     }
 
-    /// Has the choices judged while they are made.
+    /// Estimates the choices while they are edited.
     pub(in crate::app) fn follow_save(&mut self) {
         if self.panels.has(PanelId::SAVE) {
             let of = self.savable();

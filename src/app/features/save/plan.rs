@@ -26,7 +26,7 @@ pub(in crate::app) struct Savable {
     pub(in crate::app) is_playing: bool,
     /// Longest edge of its box, in the unit of the file.
     pub(in crate::app) extent: f64,
-    /// The unit, empty if no file says it.
+    /// The unit, empty if no file has it.
     pub(in crate::app) unit: &'static str,
     pub(in crate::app) has_colors: bool,
     pub(in crate::app) has_normals: bool,

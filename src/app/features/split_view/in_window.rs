@@ -281,7 +281,7 @@ impl State {
 }
 
 impl SplitView {
-    /// Lays both out, and pairs their frames, as a document says.
+    /// Lays both out, and pairs their frames, as in a document.
     pub(in crate::app) fn arrange(&mut self, compared: &Compared) {
         self.companion.set_offset_frames(compared.offset_frames);
         if let Some(by) = compared.by {

@@ -71,7 +71,7 @@ impl ComposedFrame {
     }
 }
 
-/// A problem next to the choices that it is about; none where the panel says it by itself.
+/// A problem next to the choices that it is about; none where the panel shows it itself.
 fn in_panel(problem: &Problem) -> Option<String> {
     match problem {
         Problem::OtherUnread { reason, .. } => Some(reason.to_string()),

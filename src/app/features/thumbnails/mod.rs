@@ -35,7 +35,7 @@ use store::Store;
 /// Min time between thumbnails while playing.
 const INTERVAL: Duration = Duration::from_millis(100);
 
-/// Frames shown at less than this share of the rate that was asked for are not in time.
+/// Frames shown at less than this share of the requested rate are not in time.
 const IN_TIME: f64 = 0.9;
 
 /// Up axis and colours: common to all thumbnails.

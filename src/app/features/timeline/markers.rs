@@ -41,7 +41,7 @@ impl Markers {
         self.list.binary_search_by_key(&frame, |marker| marker.frame)
     }
 
-    /// Puts a marker at `frame`, or takes away the one that is there. Nothing is put beyond the thousandth.
+    /// Adds a marker at `frame`, or removes the existing one. None is added beyond the thousandth.
     pub fn toggle(&mut self, frame: usize) {
         match self.place(frame) {
             Ok(place) => {

@@ -104,7 +104,7 @@ impl Trails {
         self.is_on || self.field.is_on || !self.pinned.is_empty()
     }
 
-    /// Frames that were looked at, of how many, while trails are being found.
+    /// Numbers of visited frames and of all, while trails are being found.
     pub fn progress(&self) -> Option<(usize, usize)> {
         let running = self.running.as_ref()?;
         let progress = &running.progress;
@@ -167,7 +167,7 @@ impl Trails {
         }
     }
 
-    /// The trails that are asked for, as a document has them.
+    /// The requested trails, as in a document.
     pub(in crate::app) fn shown(&self) -> ShownTrails {
         ShownTrails {
             of_picked: self.is_on,

@@ -6,8 +6,8 @@
 //! the object in either image.
 //!
 //! All leaves are the ground truth for the omissions of the threshold, not for the surface: at a small δ nearly every
-//! point has a leaf of its own, smaller than its share of the surface, and coarser cells close the gaps. So each image
-//! is also compared with an image of surfels, which close the surface; part of that error is that cubes are shaded as
+//! point has its own leaf, smaller than its share of the surface, and coarser cells close the gaps. So each image is
+//! also compared with an image of surfels, which close the surface; part of that error is that cubes are shaded as
 //! cubes.
 
 use super::columns::{LOD, row};

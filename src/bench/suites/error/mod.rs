@@ -8,7 +8,7 @@
 //! front.
 //!
 //! The camera then turns by half a degree, and the change to that image is compared with the change of the truth: the
-//! temporal error, with a front of its own. The suite `temporal` has more kinds of change.
+//! temporal error, with its own front. The suite `temporal` has more kinds of change.
 //!
 //! A mode is compared with the truth under its own light, points are lit by their normals like everything else, and a
 //! front has modes of one light.
@@ -258,7 +258,7 @@ pub(super) fn with_triangles(
 }
 
 /// The part of a frame that is drawn, prepared as if the others had never been scanned; the frame itself unless a part
-/// was asked for.
+/// was requested.
 fn subsampled(run: &mut Run<'_>, subject: &Subject<'_>, whole: &PreparedFrame) -> Result<PreparedFrame, BenchError> {
     let Some(share) = run.options.subsample else {
         return Ok(whole.clone());

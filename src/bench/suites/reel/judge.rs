@@ -22,7 +22,7 @@ use std::sync::Arc;
 /// compared, and white.
 const BACKGROUNDS: [[u8; 3]; 2] = [[119; 3], [255; 3]];
 
-/// The original, and where it is looked at from.
+/// The original, and its viewpoints.
 pub(super) struct Judge {
     reference: ReferenceCloud,
     views: Vec<OriginalView>,

@@ -237,7 +237,7 @@ impl CardTimes {
     }
 }
 
-/// All filters and the points of an image by a card, as often as asked for; nothing where no card makes points.
+/// All filters and the points of an image on a GPU, as often as requested; nothing where no GPU creates points.
 fn on_card(run: &mut Run<'_>, image: &DepthImage, rays: &Arc<RayTable>) -> Result<Vec<CardTimes>, BenchError> {
     let filters = Filters {
         temporal: Some(Temporal::USUAL),

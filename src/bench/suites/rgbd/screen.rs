@@ -24,7 +24,7 @@ use std::time::Instant;
 /// Points of the clouds of the paper's Table 1, and its milliseconds for all stages (GTX 1060).
 const PAPER: [(usize, f64); 4] = [(36_000, 3.92), (307_000, 7.56), (3_600_000, 19.92), (5_000_000, 28.90)];
 
-/// Number of clouds in addition to those of the sequences.
+/// Number of clouds in addition to the sequences'.
 pub(super) const CLOUDS: usize = PAPER.len();
 
 const TABLE: &str = "Visible points, their normals and their picture";

@@ -29,7 +29,7 @@ pub(super) enum Expected {
     Of(Scenery),
     /// The background: nothing is visible.
     Background,
-    /// None: an error message says why.
+    /// None: an error message gives the reason.
     Refusal,
 }
 
@@ -52,7 +52,7 @@ pub(super) const ALL: &[Primitive] = &[
     Primitive::Voxel,
 ];
 
-/// Primitives with a size of their own: cells of an octree over seven orders are larger than the parts next to the eye.
+/// Primitives with their own size: cells of an octree over seven orders are larger than the parts next to the eye.
 const SPLATS: &[Primitive] = &[
     Primitive::Point,
     Primitive::Surfel,
@@ -83,7 +83,7 @@ const fn case(name: &'static str, seen: Scenery, expected: Expected, primitives:
     }
 }
 
-/// Every case, those of the camera first, then of coordinates, of attributes, and of frames with few points.
+/// All cases: of the camera first, then of coordinates, of attributes, and of frames with few points.
 pub(super) const CASES: &[Case] = &[
     case(
         "near plane, target at 0.01",

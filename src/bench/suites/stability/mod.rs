@@ -304,7 +304,7 @@ impl Seen {
             points: &self.frame.points,
             shapes: self.frame.shapes.as_deref().map_or(&[][..], Vec::as_slice),
             are_ellipses: self.frame.has_ellipses,
-            // Sheets that one looks at from behind are drawn.
+            // Sheets seen from behind are drawn.
             cull_back_faces: false,
         };
         Reference::traced(&Truth::of_disks(&disks, &self.truth_view(run)))

@@ -109,7 +109,7 @@ pub(super) struct Scenes<'a> {
 }
 
 impl<'a> Scenes<'a> {
-    /// Loads the first frame, or says why it cannot be measured.
+    /// Loads the first frame, or gives the reason why it cannot be measured.
     pub(super) fn new(
         run: &mut Run<'_>,
         cache: &'a TruthCache,
@@ -134,7 +134,7 @@ impl<'a> Scenes<'a> {
     /// The images of a scene from each viewpoint; none without frames that can be measured.
     pub(super) fn pictures(&self, run: &mut Run<'_>, kind: SceneKind) -> Result<Pictures, BenchError> {
         let count = self.frame.points.len();
-        // Of points that are the same from each viewpoint.
+        // Only for points that are the same from each viewpoint.
         let frames = match (kind, self.subject.shape) {
             (SceneKind::NextFrames, _) => self.next_frames(run)?,
             (SceneKind::CameraTurns, _) | (_, None) => vec![self.frame.clone(); STEPS + 1],

@@ -323,7 +323,7 @@ fn words_of(name: &str) -> Vec<String> {
     words
 }
 
-/// A name for people and for scalars: without quotes, and without unit and remarks in brackets.
+/// A name for display and for scalars: without quotes, and without unit and remarks in brackets.
 pub(in crate::io) fn plain_name(name: &str) -> &str {
     split_bracket(unquoted(name)).0
 }

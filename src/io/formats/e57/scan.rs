@@ -119,7 +119,7 @@ impl ScanFields<'_> {
         Some(values)
     }
 
-    /// All that are not positions, colours or normals, those of known names first.
+    /// All records that are not positions, colours or normals, known names first.
     fn scalars(&self) -> Vec<(String, Vec<f64>)> {
         let mut names = UniqueNames::default();
         let known = SCALARS.into_iter().map(|(name, record)| (name.to_owned(), record));

@@ -99,7 +99,7 @@ impl AccessorSource<'_> {
         self.read_as(index, |entries, entry| entries.number(entry, 0) as u32, 0)
     }
 
-    /// Every number of the entries, each as a column of its own.
+    /// Every number of the entries, each as a separate column.
     pub(super) fn read_columns(&self, index: usize) -> Result<Vec<Vec<f64>>, Fault> {
         let accessor = at(&self.document.accessors, index, "accessor")?;
         let columns = 0..components(accessor, index)?;

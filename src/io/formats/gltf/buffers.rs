@@ -10,7 +10,7 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use std::borrow::Cow;
 use std::path::Path;
 
-/// The buffers of a document that were asked for, and how much memory they may take in all.
+/// The requested buffers of a document, and their total memory limit.
 pub(super) struct Buffers<'a> {
     loaded: Vec<Option<Cow<'a, [u8]>>>,
 }

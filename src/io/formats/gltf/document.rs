@@ -1,6 +1,6 @@
-//! The JSON of a glTF file, as far as shapes, their movement and their colour go.
+//! The JSON of a glTF file, limited to shapes, their movement and their colour.
 //!
-//! Every index in it is only a claim: [`at`] says which one points nowhere.
+//! Every index in it is only a claim: [`at`] reports the invalid ones.
 
 use crate::io::error::{Fault, Place};
 use crate::io::options::ReadOptions;

@@ -86,7 +86,7 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// The scene at `time_s`; sampled already where that was asked for.
+    /// The scene at `time_s`; sampled already where that was requested.
     pub(in crate::io) fn frame(&self, time_s: f64) -> Result<RawCloud, Fault> {
         self.cloud(self.posed(time_s)?)
     }

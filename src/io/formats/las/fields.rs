@@ -41,7 +41,7 @@ pub(super) fn unpack(items: &[LazItem], packed: &mut Cursor<&[u8]>, rows: &mut [
     Ok(())
 }
 
-/// Bytes of a field of a point. Only fields of extra bytes have the size that the file says.
+/// Bytes of a field of a point. Only fields of extra bytes have a size given by the file.
 pub(super) fn bytes(item: LazItem) -> usize {
     match item.item_type() {
         LazItemType::Point10 => 20,

@@ -4,8 +4,8 @@
 //! *sequences*, each with its last time and the step between two pulses. A symbol says how a time follows from the
 //! sequence in use: a number of steps further and a difference from that (in a coder that depends on the number),
 //! unchanged, as the first time of a new sequence, or in another sequence, whose symbol follows. Sequences without a
-//! step have symbols of their own. The fourth factor that is beyond what symbols can say, or 0, since a step last
-//! fitted makes its difference the new step.
+//! step have separate symbols. The fourth factor beyond the range of symbols, or 0, since a step last fitted makes its
+//! difference the new step.
 //!
 //! The crate `laz` calls itself for each change of the sequence. A writer finds the target sequence and changes once;
 //! modified bytes can request endless changes, within a byte, until the stack overflows, which cannot be caught. This
@@ -44,7 +44,7 @@ struct Sequence {
     /// Bits of the last time.
     time: i64,
     step: i32,
-    /// Times with a factor beyond what symbols can say since the step last fitted.
+    /// Number of times with a factor beyond the range of symbols since the step last fitted.
     misfits: u8,
 }
 

@@ -49,7 +49,7 @@ impl Record<'_> {
     }
 }
 
-/// The `N` bytes at `at`. Precondition: they are there.
+/// The `N` bytes at `at`. Precondition: they exist.
 pub(in crate::io) fn take<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
     let mut raw = [0; N];
     raw.copy_from_slice(&bytes[at..at + N]);

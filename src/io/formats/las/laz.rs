@@ -61,7 +61,7 @@ impl Compression {
         }
         Ok(Self {
             is_layered: items[0].version() >= LAYERED_VERSION,
-            // The first number says how the points are divided into chunks, 1 means not at all.
+            // The first number is the division of points into chunks; 1 means a single one.
             is_single: data.starts_with(&[1, 0]),
             point_bytes: header.point_bytes,
             record,
@@ -110,7 +110,7 @@ impl Compression {
         }
     }
 
-    /// The chunks by the table, if it is there and agrees with the file.
+    /// The chunks by the table, if it exists and agrees with the file.
     fn chunks_of_table(&self, header: &LasHeader, bytes: &[u8]) -> Option<Vec<LazChunk>> {
         let offset_at = |at: usize| {
             let raw = bytes.get(at..at.checked_add(TABLE_OFFSET_BYTES)?)?;
@@ -122,8 +122,8 @@ impl Compression {
             offset_at(header.points_start).or_else(|| offset_at(bytes.len().checked_sub(TABLE_OFFSET_BYTES)?))?;
         let table = bytes.get(table_start..)?;
         let entries = u32::from_le_bytes(take(table.get(..8)?, 4)) as usize;
-        // The crate allocates whatever the table claims. However well they compress, there are at most as many entries
-        // as points.
+        // The crate allocates any size that the table claims. However well they compress, there are at most as many
+        // entries as points.
         if entries > bytes.len() / self.point_bytes + 1 {
             return None;
         }

@@ -127,7 +127,7 @@ impl<'a> StandardFields<'a> {
     }
 }
 
-/// The fields that have no place of their own.
+/// The fields without their own place in the format.
 #[derive(Debug)]
 pub(super) struct ExtraBytes<'a> {
     fields: Vec<&'a ScalarField>,

@@ -332,8 +332,8 @@ pub(super) fn unpacked(bytes: &[u8], options: &ReadOptions) -> Result<Vec<(Strin
         if member.size() > left {
             return Err(Fault::too_large(&format!("array `{name}`"), member.size(), options));
         }
-        // The size is a claim as well: it is believed up to what the packed bytes can expand to, and it limits the
-        // unpacked size.
+        // The size is a claim as well: it is believed up to the maximum expansion of the packed bytes, and it limits
+        // the unpacked size.
         let claimed = member.size();
         let believed = claimed.min(member.compressed_size().saturating_mul(MAX_DEFLATED));
         let mut unpacked = Vec::new();
@@ -352,8 +352,8 @@ pub(super) fn unpacked(bytes: &[u8], options: &ReadOptions) -> Result<Vec<(Strin
     Ok(members)
 }
 
-/// The columns of an array of numbers with a point a row, and how many there are. Of those behind the coordinates
-/// `meaning` says how they were taken.
+/// The columns of an array of numbers with one point per row, and their number. `meaning` describes the interpretation
+/// of those after the coordinates.
 fn table<'a>(
     array: &Array<'a>,
     first: &str,
@@ -417,7 +417,7 @@ fn table<'a>(
     Ok((columns.collect(), count))
 }
 
-/// Gives columns the names that a person says.
+/// Gives columns the names chosen by the user.
 fn name_as_given(names: &mut [String], map: ColumnMap) -> Result<(), Fault> {
     let roles = || map.roles().iter().filter(|(role, _)| role != FRAME_ROLE);
     let width = names.len();

@@ -16,7 +16,7 @@ use crate::io::error::Fault;
 /// Minimum pixels along each side of images and volumes.
 const MIN_SIDE: usize = 8;
 
-/// Rows and columns that are looked at.
+/// Number of examined rows and columns.
 const SAMPLED_ROWS: usize = 32;
 const SAMPLED_COLUMNS: usize = 64;
 

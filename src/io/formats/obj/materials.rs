@@ -15,7 +15,7 @@ use std::path::Path;
 /// Appearance of a face.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Paint {
-    /// One colour: `Kd`. White where the material says nothing, or is not there.
+    /// One colour: `Kd`. White where the material has none, or is missing.
     Color([u8; 4]),
     /// The image of this index in [`Materials::textures`]: `map_Kd`. `Kd`, which many programs write anyhow, does not
     /// dim it.
@@ -25,7 +25,7 @@ pub(super) enum Paint {
 /// Materials of a file.
 #[derive(Debug, Default)]
 pub(super) struct Materials {
-    /// In the order in which they were asked for.
+    /// In the order of their first use.
     pub(super) paints: Vec<Paint>,
     pub(super) textures: Textures,
     pub(super) warnings: Vec<String>,

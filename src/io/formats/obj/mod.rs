@@ -29,7 +29,7 @@ pub(in crate::io) const FORMAT: Format = Format::new(&Traits {
     ..Traits::PLAIN
 });
 
-/// Lines between two looks at whether the model is still wanted.
+/// Lines between two checks for cancellation.
 const LINES_AT_ONCE: usize = 1 << 14;
 
 pub(in crate::io) fn decode(file: &Encoded<'_>) -> Result<RawCloud, Fault> {

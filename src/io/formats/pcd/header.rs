@@ -53,7 +53,7 @@ pub(super) struct PcdField {
     pub(super) scalar: Option<Scalar>,
     /// Bytes of a number.
     pub(super) number_bytes: usize,
-    /// Numbers of a point; 0 where the file says so, which old converters mean as 1.
+    /// Numbers of a point; may be 0 in the file, which old converters mean as 1.
     pub(super) count: usize,
 }
 
@@ -232,7 +232,7 @@ impl Lines {
         })
     }
 
-    /// The position of the viewpoint; one that is not understood says nothing.
+    /// The position of the viewpoint; an unintelligible one is ignored.
     fn viewpoint(&self, warnings: &mut Vec<String>) -> DVec3 {
         let Some(line) = &self.viewpoint else {
             return DVec3::ZERO;

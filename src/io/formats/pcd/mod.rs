@@ -210,7 +210,7 @@ impl Table {
             })
     }
 
-    /// The numbers of a row but for padding: of fields with several each by itself.
+    /// The numbers of a row but for padding: with separate entries for fields with several.
     fn numbers(&self) -> Vec<Number> {
         let mut numbers = Vec::new();
         let mut field_offset = 0;
@@ -447,8 +447,8 @@ fn grid(header: &Header) -> Option<ImageGrid> {
     ImageGrid::of(side(header.width)?, side(header.height)?, point_count)
 }
 
-/// Most writers leave the viewpoint at the origin, which says nothing, unless the points still lie in the grid of the
-/// camera that took them.
+/// Most writers leave the viewpoint at the origin, which is not informative unless the points still lie in the grid of
+/// the camera that took them.
 fn sensor(header: &Header) -> Option<DVec3> {
     let position = header.viewpoint;
     let is_organised = header.height > 1;

@@ -52,7 +52,7 @@ pub(super) fn read(
         }
         let claim = check_ascii_claim(element, payload);
         let read = match claim {
-            // Faces are read as far as they are there.
+            // Faces are read as far as present.
             Err(_) if FaceList::of(element).is_none() => claim,
             claim => others(&mut tokens, element, &mut faces, progress).map_err(|fault| fault.explained_by(claim)),
         };

@@ -135,7 +135,7 @@ impl Faces {
         size_of_val(self.triangles.as_slice())
     }
 
-    /// Gives `cloud` those that can be used, and says in its warnings which cannot.
+    /// Adds usable faces to `cloud`, and warnings about the others.
     pub(super) fn put_into(self, cloud: &mut RawCloud) {
         self.broken.put_into(self.triangles, cloud);
     }

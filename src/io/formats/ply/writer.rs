@@ -1,4 +1,4 @@
-//! The up axis by the program that wrote a file: exporters sign their headers, and have axes of their own.
+//! The up axis by the program that wrote a file: exporters sign their headers, and have their own axes.
 
 use crate::cloud::AxisConvention;
 

@@ -79,7 +79,7 @@ impl Header {
     }
 }
 
-/// Four bytes from `at` on. Precondition: they are there.
+/// Four bytes from `at` on. Precondition: they exist.
 fn number(bytes: &[u8], at: usize) -> u32 {
     u32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
 }

@@ -22,7 +22,7 @@ const MISSING: [&str; 16] = [
     "#null!",
 ];
 
-/// Bytes of a text that are looked at.
+/// Number of examined bytes of a text.
 pub(super) const SAMPLE_BYTES: usize = 64 << 10;
 
 /// The beginning of `text`, whole lines of it.

@@ -39,7 +39,7 @@ pub(super) enum Counter {
     Frames,
     /// It holds times in this unit, seconds.
     Times(Option<f64>),
-    /// It holds times of points in this unit, seconds: they are frames only where a person says so.
+    /// It holds times of points in this unit, seconds: they are frames only if the user says so.
     Points(Option<f64>),
 }
 
@@ -233,7 +233,7 @@ impl Groups {
         if is_of_lidar {
             return mean >= MIN_ROWS && self.coverage(positions) >= MIN_COVERAGE;
         }
-        // A clock that starts over again and again stamps points in no order: nothing moves during its periods.
+        // A clock that restarts repeatedly stamps points in no order: nothing moves during its periods.
         if self.is_rising && !self.is_sorted && !moves_little(positions) {
             return false;
         }

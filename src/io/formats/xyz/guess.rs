@@ -8,7 +8,7 @@
 //!
 //! Seven columns of integers are `x y z scalar red green blue`, as in `.pts`, unless the last is alpha.
 
-/// Columns whose values are looked at.
+/// Number of columns whose values are examined.
 pub(in crate::io) const MAX_GUESSED_COLUMN: usize = 16;
 
 const COLOR: [&str; 3] = ["red", "green", "blue"];

@@ -253,7 +253,7 @@ const SENTENCE_WORDS: [&str; 32] = [
     "as",
 ];
 
-/// Words of columns, besides those of coordinates.
+/// Words of columns, other than coordinates.
 const COLUMN_WORDS: [&str; 54] = [
     "x",
     "y",

@@ -9,7 +9,7 @@ use crate::io::columns::column_map::{ColumnMap, ColumnName, FRAME_ROLE};
 use crate::io::columns::column_names::{Match, axes, colors_and_normals, longitude_and_latitude, markers, plain_name};
 use crate::io::error::{Fault, Place};
 
-/// The meaning of columns before their values are looked at.
+/// The meaning of columns before their values are examined.
 #[derive(Debug)]
 #[expect(
     clippy::option_option,
@@ -21,7 +21,7 @@ pub(super) struct Naming {
     pub(super) positions: [usize; 3],
     /// Coordinates are longitude and latitude in degrees, and height.
     pub(super) is_geographic: bool,
-    /// The column whose values are frames, if the user says so: `Some(None)` for none.
+    /// The column whose values are frames, if given by the user: `Some(None)` for none.
     pub(super) frame: Option<Option<usize>>,
     /// The column that numbers the rows.
     pub(super) index: Option<usize>,

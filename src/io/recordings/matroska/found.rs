@@ -67,7 +67,7 @@ pub(crate) enum MatroskaError {
     Invalid {
         /// Byte offset of the error.
         offset: u64,
-        /// Description of what was expected.
+        /// Description of the expected content.
         problem: String,
     },
 }

@@ -27,7 +27,7 @@ const BLOCK_GROUP: u32 = 0xa0;
 const BLOCK: u32 = 0xa1;
 const SIMPLE_BLOCK: u32 = 0xa3;
 
-/// Nanoseconds of a unit of time where nothing says it.
+/// Default nanoseconds per unit of time.
 const USUAL_SCALE_NS: u64 = 1_000_000;
 
 /// Heads, tracks and tags are text and numbers; more is none that is needed here.

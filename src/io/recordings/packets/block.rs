@@ -52,7 +52,7 @@ pub(super) fn matters(head: &[u8], order: ByteOrder) -> bool {
     head.starts_with(&SECTION) || order.u32(head, 0).is_some_and(|kind| PACKETS.contains(&kind))
 }
 
-/// A block that is not as its kind says.
+/// A block whose content contradicts its kind.
 pub(super) struct Damaged;
 
 /// The packet in a block, if there is one, of an interface that `layout` knows; metadata goes to `layout`.

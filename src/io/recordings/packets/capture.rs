@@ -58,7 +58,7 @@ pub(super) struct Capture {
 }
 
 impl Capture {
-    /// The whole of `file`, whose times are read as `clock` says.
+    /// Opens the whole of `file`, with times read by `clock`.
     pub(super) fn open(file: File, clock: Clock) -> Result<Self, Fault> {
         let failed = |error| unreadable(0, &error);
         let mut window = Window::at(file, 0).map_err(failed)?;
@@ -149,8 +149,7 @@ impl Capture {
         let length = records.order.u32(head, LENGTH_AT).ok_or_else(|| cut(offset))?;
         let count = self.take_record(head_bytes, length)?;
         let bytes = self.window.taken(count);
-        // Single records: the readers of `pcap-parser` cannot start partway through a file, which is what a frame
-        // needs.
+        // Single records: the readers of `pcap-parser` cannot start partway through a file, as a frame requires.
         let parsed = match records.order {
             _ if records.is_modified => parse_pcap_frame_modified(bytes),
             ByteOrder::Little => parse_pcap_frame(bytes),
@@ -223,7 +222,7 @@ impl Capture {
         }
     }
 
-    /// Takes the next record, which has `length` bytes behind the first `head_bytes`; says how many these are.
+    /// Takes the next record, which has `length` bytes after the first `head_bytes`; returns its total size.
     fn take_record(&mut self, head_bytes: usize, length: u32) -> Result<usize, Fault> {
         let offset = self.window.offset();
         if length > MAX_RECORD_BYTES {

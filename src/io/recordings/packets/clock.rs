@@ -10,7 +10,7 @@ use std::time::Duration;
 /// The unit of times.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Clock {
-    /// As the header says.
+    /// As in the header.
     #[default]
     Stated,
     /// The parts of seconds are nanoseconds, and not microseconds.
@@ -96,7 +96,7 @@ impl Samples {
     }
 }
 
-/// Records of a capture, as far as they were looked at.
+/// Statistics of the examined records of a capture.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Fractions {
     /// True if the header specifies nanoseconds; `None` for captures that specify the unit of each interface.

@@ -64,7 +64,7 @@ pub(super) enum Confidence {
     Certain,
 }
 
-/// A sender for people, as far as one packet tells: equal for all packets of a sensor.
+/// Display name of a sender, as far as known from one packet: equal for all packets of a sensor.
 pub(super) type Sort = Cow<'static, str>;
 
 /// A sensor, packet by packet. Packets that it does not send say nothing.

@@ -27,7 +27,7 @@ const INDEX: u8 = 0x04;
 const CHUNK: u8 = 0x05;
 const CONNECTION: u8 = 0x07;
 
-/// The fields of a header that are looked at.
+/// The used fields of a header.
 #[derive(Default)]
 struct RecordHeader {
     op: u8,

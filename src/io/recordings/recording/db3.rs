@@ -21,7 +21,7 @@ const ZSTD_MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 const START_BYTES: u64 = 12;
 /// No row of a table is smaller than this on its page.
 const MIN_ROW_BYTES: u64 = 4;
-/// Names of tables that are looked at in a database of another program.
+/// Max examined names of tables in a database of another program.
 const MAX_TABLES: u32 = 1000;
 /// Those that a message has.
 const MAX_NAMED_TABLES: usize = 6;

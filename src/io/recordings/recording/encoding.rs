@@ -21,7 +21,7 @@ pub(super) enum Encoding {
 }
 
 impl Encoding {
-    /// When the cloud was taken, if `start`, the first bytes of the message, says so.
+    /// Acquisition time of the cloud, if `start`, the first bytes of the message, has it.
     pub(super) fn stamp(self, start: &[u8]) -> Option<Duration> {
         match self {
             Self::Ros(serialisation) | Self::Livox(serialisation) => serialisation.stamp(start),

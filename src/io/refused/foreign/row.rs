@@ -8,7 +8,7 @@ use std::path::Path;
 pub struct Foreign {
     /// With its article: `a CloudCompare project`.
     pub(super) name: &'static str,
-    /// The programs or devices that write it; empty where that says nothing.
+    /// The programs or devices that write it; empty where that adds nothing.
     pub(super) writer: &'static str,
     /// How to convert it, after a colon.
     pub(super) advice: &'static str,

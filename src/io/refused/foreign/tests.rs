@@ -4,7 +4,7 @@ use super::*;
 use crate::io::Format;
 use std::collections::HashSet;
 
-/// A name and the first bytes of a file, with words of its name for people.
+/// A name and the first bytes of a file, with words of its display name.
 type Sample = (&'static str, &'static [u8], &'static str);
 
 /// Files whose content identifies their kind, whatever their name.

@@ -63,7 +63,7 @@ impl NodeAttributes {
         self.shape & NORMAL_MASK
     }
 
-    /// The index of the offset, 0 to 7; [`offset_of_code`] says which it is.
+    /// The index of the offset, 0 to 7; [`offset_of_code`] decodes it.
     #[inline(always)]
     pub(crate) fn offset_code(self) -> usize {
         (self.shape >> OFFSET_SHIFT) as usize % (1 << OFFSET_BITS)

@@ -19,7 +19,7 @@ const ONE_ROW_WIDTH: f32 = 860.0;
 /// Minimum width at which the name of the file is shown, points.
 const MIN_NAME_WIDTH: f32 = 60.0;
 
-/// A window that is lower has no row for the pace, points.
+/// Min height of a window with a row for the speed, points.
 const MIN_PACE_HEIGHT: f32 = 280.0;
 
 /// A row that is narrower has one button, points.
@@ -296,7 +296,7 @@ fn loop_name(mode: LoopMode) -> &'static str {
     }
 }
 
-/// Gives a control without a text of its own a name for screen readers and tests.
+/// Gives a control without text a name for screen readers and tests.
 fn named(response: Response, name: &str) -> Response {
     response
         .ctx

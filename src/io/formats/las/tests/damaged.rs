@@ -37,7 +37,7 @@ fn files() -> [(&'static str, Vec<u8>); 4] {
     ]
 }
 
-/// Reads a possibly damaged file. Precondition: the limit of memory is far above what the whole file needs.
+/// Reads a possibly damaged file. Precondition: the limit of memory is far above the needs of the whole file.
 fn try_read(what: &str, bytes: &[u8]) -> Option<RawCloud> {
     const LONGEST: Duration = Duration::from_secs(5);
     let start = Instant::now();

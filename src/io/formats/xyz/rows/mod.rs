@@ -1,7 +1,7 @@
 //! Lines of cells in columns, parsed on all cores.
 //!
-//! The text is cut into blocks at line ends, each block is parsed by itself, and the blocks are put together in order:
-//! the result, and the line that an error names, are the same for any number of threads.
+//! The text is cut into blocks at line ends, each block is parsed separately, and the blocks are joined in order: the
+//! result, and the line that an error names, are the same for any number of threads.
 
 use super::dialect::{Cell, Dialect, comment, hex_color, is_title, seconds_of};
 use crate::io::columns::numbers::quoted;

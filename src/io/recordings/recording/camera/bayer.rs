@@ -3,7 +3,7 @@
 //!
 //! *How it works.* Bilinear interpolation: a missing colour of a pixel is the mean of the pixels among the 3 × 3 around
 //! it that have it. These are the four next to it or at its corners, or the two in its line or column; at the border
-//! the existing ones. Points take colours from it: sharper methods pay off for images that are looked at.
+//! the existing ones. Points take colours from it: sharper methods pay off for images that are displayed.
 
 /// Whose colour a pixel has, of the first two lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! Compressed images: PNG and JPEG, and depths as `compressed_depth_image_transport` writes them.
 //!
 //! Such depths begin with twelve bytes, a word and two single floats. Depths of 16 bits follow as PNG or as RVL; depths
-//! of 32 bits as inverse depths n, whose depth is a / (n − b) with these two floats (0 is no measurement).
+//! of 32 bits as inverse depths n, whose depth is a / (n − b) with these two floats (0 means no measurement).
 
 use super::super::bytes::Bytes;
 use super::messages::PackedImage;

@@ -14,7 +14,7 @@ pub(crate) enum CameraMessage {
     CameraInfo,
     /// `tf2_msgs/TFMessage` that holds for all times.
     StaticTransforms,
-    /// `tf2_msgs/TFMessage` that holds at the times that it says.
+    /// `tf2_msgs/TFMessage`, valid at its time stamps.
     Transforms,
     /// `geometry_msgs/Transform`: the extrinsics of a stream of a `RealSense`.
     Extrinsics,
