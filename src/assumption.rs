@@ -59,7 +59,7 @@ pub enum Subject {
     ColorDepth,
     /// The files, blocks or layers that are frames.
     Frames,
-    /// Values that stand for a missing point.
+    /// Values of a missing point.
     NoData,
     /// The times of frames.
     FrameTimes,
@@ -283,7 +283,7 @@ pub struct Assumptions {
 }
 
 impl Assumptions {
-    /// More distinct ones than anybody reads; further ones are dropped.
+    /// Max number of distinct ones; further ones are dropped.
     const MAX: usize = 256;
 
     /// Adds one frame's or source's assumption, if it is not there.

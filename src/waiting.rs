@@ -20,7 +20,7 @@ struct Waits {
 /// Something that is waited for.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Wait {
-    /// Another wait for the same thing has another number.
+    /// Another wait for the same data has another number.
     pub number: u64,
     /// The end of a sentence that begins with *waiting for*: the data, its source, and the timeout.
     pub what: String,

@@ -12,7 +12,7 @@ pub enum Severity {
     Info,
     /// Hint on a prerequisite of the requested action.
     Hint,
-    /// Something was not as expected; the program goes on.
+    /// Something was not as expected; the program continues.
     Warning,
     /// A requested action failed.
     Error,
@@ -138,7 +138,7 @@ impl Notices {
         self.dismiss_where(|other| other == text);
     }
 
-    /// Forgets messages that begin with `begin` and go on with a number and `next`: they are true no longer.
+    /// Forgets messages that begin with `begin`, followed by a number and `next`: they are no longer true.
     pub(in crate::app) fn dismiss_begun(&mut self, begin: &str, next: &str) {
         self.dismiss_where(|text| {
             let rest = text.strip_prefix(begin);

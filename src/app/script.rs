@@ -18,7 +18,7 @@ use std::time::Duration;
 /// Polling interval for the conditions that a script waits for.
 const LOOK_INTERVAL: Duration = Duration::from_millis(30);
 
-/// Why a script could not be read, or not go on.
+/// Errors of reading or running a script.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ScriptError {

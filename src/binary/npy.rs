@@ -34,7 +34,7 @@ pub(crate) enum Layout {
 #[derive(Debug)]
 pub(crate) struct Field {
     pub(crate) name: String,
-    /// None for text and other things.
+    /// None for text and other data.
     pub(crate) number: Option<Number>,
     pub(crate) offset: usize,
     /// Number of values it consists of.

@@ -11,7 +11,7 @@ pub struct FrameFacts {
     pub point_count: usize,
     /// Points with three finite coordinates.
     pub finite_count: usize,
-    /// Finite points that stand for no measurement.
+    /// Finite no-data points.
     pub missing: MissingPoints,
     /// Corners of the box around the other finite points.
     pub bounds: Option<(DVec3, DVec3)>,

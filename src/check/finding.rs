@@ -25,7 +25,7 @@ pub enum FindingKind {
     ChangedAttributes,
     /// Coordinates that are NaN or infinite.
     NonFinitePoints,
-    /// Points that stand for no measurement.
+    /// No-data points.
     NoDataPoints,
     /// Points at exactly the same place.
     DuplicatePoints,
@@ -98,7 +98,7 @@ impl FindingKind {
     }
 }
 
-/// Something that a person should look at.
+/// A problem that the user should check.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[non_exhaustive]
 pub struct Finding {

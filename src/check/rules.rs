@@ -148,7 +148,7 @@ fn counted(
     })
 }
 
-/// Points that stand for no measurement, with value and count of the first frame that has some.
+/// No-data points, with value and count of the first frame that has some.
 fn no_data_points(facts: &Facts) -> Option<Finding> {
     let missing = facts.iter().enumerate().filter_map(|(index, facts)| {
         let missing = &facts.as_ref().ok()?.missing;

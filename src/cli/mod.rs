@@ -61,8 +61,8 @@ enum Subcommands {
 /// Exit code of wrong usage, the same as of parser errors.
 const WRONG_USAGE: u8 = 2;
 
-/// Runs the subcommand of this process's command line and reports errors. To be called once, as the last thing that a
-/// process does.
+/// Runs the subcommand of this process's command line and reports errors. To be called once, as the last action of a
+/// process.
 pub fn main() -> ExitCode {
     // Dropped last.
     let _removes_all = RemovesAll;

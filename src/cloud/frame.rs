@@ -214,7 +214,7 @@ impl Frame {
         Ok(moved)
     }
 
-    /// The points at these slots with their `attributes`, and where each of them stands here.
+    /// The points at these slots with their `attributes`, and the index of each of them here.
     fn with_points(&self, taken: &[u32], attributes: Attributes) -> Result<(Self, Vec<u32>), CloudError> {
         let raw = RawCloud {
             attributes,

@@ -49,7 +49,7 @@ impl Composed {
 /// A frame with levels of detail, and settings that draw it by these.
 #[derive(Debug, Clone)]
 pub struct Coarse {
-    /// Coarse frame with the same points as the frame that it stands for.
+    /// Coarse frame with the same points as the frame that it replaces.
     pub frame: Arc<PreparedFrame>,
     /// See [`in_cells`](super::in_cells).
     pub style: Style,

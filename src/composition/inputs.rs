@@ -62,7 +62,7 @@ pub enum WholeFrame {
     InFile(Arc<Sequence>),
 }
 
-/// Frames that stand for the composed one in the window.
+/// Stand-ins for the composed frame in the window.
 #[derive(Debug, Clone, Default)]
 pub struct StandIns {
     /// Surfels of the visible points, for a frame whose own are not there.
@@ -76,7 +76,7 @@ pub struct StandIns {
 pub struct Inputs<'a> {
     /// The frame of the sequence.
     pub pose: &'a PreparedFrame,
-    /// The choices of a person.
+    /// The choices of the user.
     pub options: &'a ComposeOptions,
     /// The settings, resolved.
     pub style: &'a Style,

@@ -42,7 +42,7 @@ pub enum ConvertError {
         /// The input at that location.
         input: PathBuf,
     },
-    /// Files of somebody else have the names of frames.
+    /// Foreign files have the names of frames.
     #[error(
         "{} is there already{}, and no record says that this conversion has written it: nothing was written, choose \
          another output, or --overwrite to replace {}",

@@ -1,8 +1,8 @@
 //! Estimate of the output of a conversion from a few sample frames: sizes and errors before anything is written.
 //!
 //! How it works: a frame is encoded in memory as the conversion would do it, and read back. In a sequence file it is
-//! encoded in a group with neighbouring frames. Each of them stands for the frames at its position in all groups; the
-//! mean of those behind the first one stands for positions that the sample does not cover. Bytes of directories are
+//! encoded in a group with neighbouring frames. Each of them represents the frames at its position in all groups; the
+//! mean of those behind the first one represents positions that the sample does not cover. Bytes of directories are
 //! distributed over the frames.
 
 use super::error::ConvertError;

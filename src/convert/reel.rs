@@ -72,7 +72,7 @@ impl Unfinished {
         crate::persist::write_whole(&self.ledger, &text).map_err(write_error(&self.ledger))
     }
 
-    /// Removes it: nothing goes on with it. To be called while it is locked.
+    /// Removes it: it will not be resumed. To be called while it is locked.
     fn remove(&self) {
         for path in [&self.file, &self.ledger] {
             // The next conversion overwrites a file that cannot be removed.

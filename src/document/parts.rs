@@ -198,7 +198,7 @@ fn counted(count: usize, one: &str) -> Option<String> {
     (count > 0).then(|| messages::counted(count as i64, one))
 }
 
-/// The name of a change of one thing, or of more.
+/// The name of a change of one item, or of more.
 fn one_or_more([before, after]: [usize; 2], [one, more]: [&'static str; 2]) -> &'static str {
     if before.abs_diff(after) > 1 { more } else { one }
 }

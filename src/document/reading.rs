@@ -40,7 +40,7 @@ pub struct Reading {
         deserialize_with = "columns"
     )]
     pub columns: Option<ColumnMap>,
-    /// Values that stand for a missing point.
+    /// Values of a missing point.
     #[serde(
         skip_serializing_if = "Option::is_none",
         serialize_with = "write_word",

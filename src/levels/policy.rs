@@ -25,7 +25,7 @@ impl Default for Lod {
 }
 
 impl Lod {
-    /// The nodes of `levels` that stand for the cloud in `view`, and the threshold in pixels that they come from, if
+    /// The nodes of `levels` that represent the cloud in `view`, and the threshold in pixels that they come from, if
     /// they come from one. `affordable` is their number for [`Lod::FrameTimeMs`].
     pub fn cut(
         self,

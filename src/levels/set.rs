@@ -15,7 +15,7 @@ use std::sync::Arc;
 pub struct CloudRecords<'a> {
     /// Positions, as in `points`.
     pub positions: &'a [Vec3],
-    /// The colours of `points`, where somebody has them side by side.
+    /// The colours of `points`, where available as an array.
     pub colors: Option<&'a [[u8; 4]]>,
     /// Positions and colours.
     pub points: &'a Arc<Vec<PointRecord>>,

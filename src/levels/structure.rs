@@ -9,7 +9,7 @@ use std::fmt::Debug;
 ///
 /// It is called once per image, so that its inner loops are compiled for the one structure.
 pub trait Levels: Debug + Send + Sync {
-    /// The nodes that stand for the cloud in `view`: they cover every leaf that can be seen, none twice.
+    /// The nodes that represent the cloud in `view`: they cover every visible leaf, none twice.
     fn cut(&self, view: &SelectView, hints: CutHints<'_>) -> Cut;
 
     /// Writes the records drawn for a cut of these levels, in the memory of `buffers`. Mere decoration of nodes, such
@@ -107,7 +107,7 @@ pub enum Records {
     Voxels {
         /// Cells and colours.
         voxels: Vec<VoxelRecord>,
-        /// The same number of records with only normals used, where these are lit instead of faces.
+        /// Records of which only the normals are used, one per voxel, where these are lit instead of faces.
         normals: Option<Vec<ShapeRecord>>,
         /// Edge of the cube that is divided.
         cube_edge: f32,

@@ -54,7 +54,7 @@ pub(super) struct BucketSearch<'a> {
     nearest: SmallestRows,
     /// The worst k-th distance (squared) of all searching points.
     bound: f32,
-    /// From which file index on points at exactly the bound cannot win; `None` until somebody asks.
+    /// First file index from which points at exactly the bound cannot win; `None` until needed.
     tie_limit: Option<u32>,
     /// Stack of nodes still to be descended into.
     stack: Vec<Child>,

@@ -80,7 +80,7 @@ pub struct Disk {
     pub radius: f32,
 }
 
-/// The disks that stand for each of `disks`, and the index of that one. `is_used` are those that are of the surface;
+/// The disks that replace each of `disks`, and the index of that one. `is_used` are those that are of the surface;
 /// others stay, and say nothing of it. `None` where all stay as they are. Precondition: all numbers are finite.
 pub fn curved_splats(disks: &[Disk], is_used: impl Fn(usize) -> bool + Sync) -> Option<Vec<(usize, Disk)>> {
     let used: Vec<usize> = (0..disks.len()).filter(|&at| is_used(at)).collect();
@@ -171,7 +171,7 @@ impl Quadric {
         })
     }
 
-    /// The disks that stand for a disk.
+    /// The disks that replace a disk.
     fn add_disks(&self, disk: &Disk, mut add: impl FnMut(Disk)) {
         let is_strong = self.max * disk.radius > TURNS[1];
         let (count, step, radius) = if is_strong { NINETEEN } else { SEVEN };

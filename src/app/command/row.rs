@@ -158,7 +158,7 @@ impl<S: 'static> CommandRow<S> {
         self
     }
 
-    /// Its title as things are.
+    /// Its title in the current state.
     pub fn title(&self, state: &S) -> Cow<'static, str> {
         self.title_now.map_or(Cow::Borrowed(self.title), |title| title(state))
     }

@@ -14,7 +14,7 @@ use crate::sequence::PreparedFrame;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A frame whose surfels are wanted and not there.
+/// A frame whose surfels are needed and missing.
 #[derive(Debug)]
 struct WantedView {
     key: ViewOfFrame,
@@ -32,7 +32,7 @@ pub struct InView {
 /// The surfels in view of one image.
 #[derive(Debug)]
 pub(in crate::app) struct SurfelsInView {
-    /// Minimum point count: surfels of frames of fewer points are ready before anybody misses them.
+    /// Minimum point count: surfels of frames of fewer points are ready before they are needed.
     min_points: usize,
     wanted: Option<WantedView>,
     asked_for: Option<ViewOfFrame>,

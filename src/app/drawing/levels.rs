@@ -155,7 +155,7 @@ mod tests {
         Camera::framing(&Aabb::from_points(&[Vec3::ZERO, edge]), DVec3::ZERO, UpAxis::Z)
     }
 
-    /// Starts the making of levels, if they are wanted, and takes them.
+    /// Starts building levels, if they are needed, and takes them.
     fn make(levels: &mut Levels, frame: &Arc<PreparedFrame>, style: &Style) -> bool {
         let (woken, wakes) = sync_channel(1);
         let mut tasks = Tasks::<Outcome>::new(Arc::new(move || woken.send(()).unwrap()));

@@ -18,7 +18,7 @@ pub(super) struct GpuPicture {
     /// Command buffer that draws the image, to be submitted with the window that shows it.
     pub(super) commands: Option<wgpu::CommandBuffer>,
     pub(super) texture: TextureId,
-    /// Renderer and version of the texture that `texture` stands for, and its filter.
+    /// Renderer and version of the texture that `texture` shows, and its filter.
     shown: Option<(DrawnBy, u64, wgpu::FilterMode)>,
 }
 

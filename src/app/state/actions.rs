@@ -48,7 +48,7 @@ impl State {
         self.look_at_document();
     }
 
-    /// The same check between two steps that are undone separately: lines of a script, and before undo.
+    /// Check between two steps that are undone separately, as above: lines of a script, and before undo.
     pub(in crate::app) fn note_step(&mut self) {
         self.note_in_history(History::note_step);
     }

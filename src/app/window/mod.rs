@@ -88,7 +88,7 @@ pub struct Options {
     pub lose_device_after: Option<u64>,
 }
 
-/// Why the window could not be opened or go on.
+/// Errors of opening or running the window.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum AppError {

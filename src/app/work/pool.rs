@@ -3,7 +3,7 @@
 use crate::priority;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-/// Threads that go behind those that draw. There are none until somebody has work for them.
+/// Threads with a lower priority than those that draw. They are created on demand.
 #[derive(Debug, Default)]
 pub(in crate::app) struct PoolBehindDrawing(Option<ThreadPool>);
 

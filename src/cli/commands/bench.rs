@@ -331,7 +331,7 @@ fn show_progress(step: Step) {
     let mut stderr = std::io::stderr().lock();
     if stderr.is_terminal() {
         let Step { done, total, label, .. } = step;
-        // A terminal that has gone away is not a failure.
+        // A closed terminal is not a failure.
         let _ = write!(stderr, "\r\x1b[K[{done}/{total}] {}", printable::text(&label));
         let _ = stderr.flush();
     }

@@ -70,7 +70,7 @@ pub(in crate::cli) fn check_replaced(output: &Path, kind: OutputKind) -> anyhow:
     Ok(())
 }
 
-/// Writes a text to a file as a whole, or to the pipe or device that somebody has named.
+/// Writes a text to a file as a whole, or to the pipe or device that the user has named.
 pub(in crate::cli) fn write_text(path: &Path, text: &str) -> anyhow::Result<()> {
     persist::write_to(path, text.as_bytes()).with_context(|| format!("{} cannot be written", path.display()))
 }

@@ -285,12 +285,12 @@ fn place(key: [u64; 3]) -> DVec3 {
 }
 
 /// Returns true if coordinates along `axis` that are exactly 0 are missing: many are, the others are elsewhere along
-/// that axis, and their points are among these along both other axes. A floor far below things is wider than they are.
+/// that axis, and their points are among these along both other axes. A floor far below objects is wider than they are.
 fn zeros_are_missing(sample: &[DVec3], axis: usize) -> bool {
     /// Fewer of the points have a coordinate.
     const MAX_ZEROS: f64 = 0.6;
     /// Minimum gap as a fraction of the extent of the others along the axis, and minimum height as a fraction of their
-    /// extent across, for things that are not thin layers.
+    /// extent across, for objects that are not thin layers.
     const MIN_GAP: f64 = 0.9;
     const MIN_HEIGHT: f64 = 0.2;
     /// Certain gap as a multiple of both extents, that is of the larger one, for everything.

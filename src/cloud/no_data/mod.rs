@@ -1,4 +1,4 @@
-//! Points that stand for no measurement: constants such as 0 0 0 or −9999, and coordinates absurdly far away.
+//! No-data points: constants such as 0 0 0 or −9999, and coordinates absurdly far away.
 //!
 //! **How it works.** Programs write a constant where there is no return, and overflow to the smallest integer. One such
 //! point in a survey in UTM coordinates moves the origin by thousands of kilometres and makes single precision coarser
@@ -34,7 +34,7 @@ use repeats::Repeats;
 use std::fmt;
 use std::str::FromStr;
 
-/// Handling of points that stand for no measurement.
+/// Handling of no-data points.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum NoData {
     /// Found by statistics.

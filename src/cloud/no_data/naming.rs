@@ -56,7 +56,7 @@ impl<'a> Naming<'a> {
     }
 
     /// The missing points by value, the most frequent first. A coordinate that a single point has, and that no program
-    /// is known to write, is not a value that stands for something.
+    /// is known to write, is not a no-data value.
     pub(super) fn values(&self, positions: &Positions, indices: &[u32], present: &Extent) -> Vec<MissingValue> {
         let mut values: Vec<(MissingValue, bool)> = Vec::new();
         for &index in indices {

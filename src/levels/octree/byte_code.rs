@@ -80,10 +80,9 @@ impl Octree {
         masks
     }
 
-    /// The occupied cells at level `depth` that a byte code stands for, as integer coordinates below `2^depth`, in
-    /// Morton order.
+    /// The occupied cells at level `depth` of a byte code, as integer coordinates below `2^depth`, in Morton order.
     ///
-    /// At depth 0 the code has no bytes and stands for the root. (An octree without points has no code: nothing to
+    /// At depth 0 the code has no bytes and represents the root. (An octree without points has no code: nothing to
     /// store.) Memory is bounded by the length of the code: eight cells per byte.
     pub fn cells_from_masks(masks: &[u8], depth: u32) -> Result<Vec<[u32; 3]>, OctreeError> {
         if depth > LEVELS {

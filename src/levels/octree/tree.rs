@@ -76,7 +76,7 @@ impl Octree {
         (1.0 - self.leaf_count as f64 / self.point_count() as f64) as f32
     }
 
-    /// The cube that the root stands for.
+    /// The cube of the root.
     pub fn cube(&self) -> Cube {
         self.cube
     }

@@ -35,7 +35,7 @@ pub(in crate::app) enum ReadChange {
     Poses(Option<PathBuf>),
     /// Poses lead from the world to the camera.
     InvertPoses,
-    /// Values that stand for a missing point; [`NoData::Auto`] is the automatic choice.
+    /// Values of a missing point; [`NoData::Auto`] is the automatic choice.
     NoData(NoData),
     /// The least range of colours.
     ColorDepth(Option<ColorDepth>),

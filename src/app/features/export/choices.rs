@@ -18,7 +18,7 @@ pub enum ExportSubject {
     Turntable,
     /// The camera path.
     Path,
-    /// The sequence plays from in to out point while the camera stands still.
+    /// The sequence plays from in to out point with a fixed camera.
     Sequence,
 }
 

@@ -60,12 +60,12 @@ pub struct Estimates {
     /// Estimate of the previous settings.
     before: Option<Estimate>,
     cached: Vec<Arc<SampleFrame>>,
-    /// Bytes of the files that the frames are in, if anybody knows.
+    /// Bytes of the files of the frames, if known.
     source: Option<(usize, RangeInclusive<usize>, Option<u64>)>,
     pool: PoolBehindDrawing,
 }
 
-/// Bytes of the files that frames are in, if anybody knows.
+/// Bytes of the files of frames, if known.
 #[derive(Debug, Clone, Copy)]
 struct SourceBytes(Option<u64>);
 
@@ -99,7 +99,7 @@ impl Estimates {
         self.problem.as_deref()
     }
 
-    /// Bytes of the files that the frames are in, if anybody knows.
+    /// Bytes of the files of the frames, if known.
     pub fn source_bytes(&self) -> Option<u64> {
         self.source.as_ref()?.2
     }

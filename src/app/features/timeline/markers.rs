@@ -2,7 +2,7 @@
 
 use crate::document::Marker;
 
-/// More than anybody sets by hand.
+/// More than users set by hand.
 const MAX_MARKERS: usize = 1000;
 
 /// Longest name, characters.

@@ -33,7 +33,7 @@ pub struct Timeline {
     gaps: (usize, Vec<NumberGap>),
     /// Rectangle of the bar in the window, points.
     pub(in crate::app) bar_rect: egui::Rect,
-    /// The playhead is in the hand, and playing goes on when it is let go.
+    /// The playhead is being dragged, and playing continues when it is released.
     resumes: bool,
 }
 

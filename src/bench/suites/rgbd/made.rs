@@ -17,7 +17,7 @@ pub(super) const SCENE_CENTER: DVec3 = DVec3::new(0.0, 0.0, 1.5);
 
 const BALL_RADIUS: f64 = 0.5;
 
-/// The image from where the first sensor stands, which looks along z.
+/// The image from the position of the first sensor, which looks along z.
 pub(super) fn made() -> Option<DepthImage> {
     let metres = (0..MADE_PX[0] * MADE_PX[1]).map(|at| measured_z(&DAffine3::IDENTITY, at, 0));
     DepthImage::new(MADE_PX, metres.map(|z| z as f32).collect())

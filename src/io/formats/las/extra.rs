@@ -16,7 +16,7 @@ pub(super) struct ExtraField {
     pub(super) scalar: Scalar,
     /// Byte of a point where it begins.
     pub(super) start: usize,
-    /// The number in the file that stands for none.
+    /// The no-data number of the file.
     no_data: Option<f64>,
     scale: f64,
     offset: f64,
@@ -121,7 +121,7 @@ fn byte_size(kind: u8, options: u8) -> Option<usize> {
     }
 }
 
-/// Type of the number that stands for none: the widest of its kind.
+/// Type of the no-data number: the widest of its kind.
 fn widest(scalar: Scalar) -> Scalar {
     match scalar {
         Scalar::U8 | Scalar::U16 | Scalar::U32 | Scalar::U64 => Scalar::U64,

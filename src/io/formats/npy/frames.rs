@@ -22,7 +22,7 @@ use std::path::Path;
 /// Headers are shorter: numpy writes no longer ones without being asked.
 const MAX_HEADER_BYTES: u64 = 1 << 16;
 
-/// No more frames are listed; sequences that anybody plays have fewer.
+/// No more frames are listed; real sequences have fewer.
 const MAX_LAYERS: usize = 1_000_000;
 
 /// The arrays of an NPZ file, unpacked, by their names.

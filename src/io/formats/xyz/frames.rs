@@ -11,7 +11,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::time::Duration;
 
-/// More frames are not a sequence that anybody plays.
+/// Max number of frames of a real sequence.
 const MAX_FRAMES: usize = 1_000_000;
 
 /// Rows of a frame.

@@ -66,7 +66,7 @@ fn has_counter(bytes: &[u8], options: &ReadOptions) -> bool {
         || header.is_some_and(|header| header.names.iter().any(counts) || !markers(&strs(&header.names)).is_empty())
 }
 
-/// Returns true if a block break, anything other than a row, stands between two rows.
+/// Returns true if a block break, anything other than a row, is between two rows.
 fn has_breaks(text: &[u8]) -> bool {
     let is_digit_or_sign = |line: &[u8]| {
         line.first()

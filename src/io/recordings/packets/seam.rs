@@ -17,7 +17,7 @@ const MIN_GAP_BINS: usize = 30;
 /// Sensors have one window: of several parts of about the same size none is outside of it.
 const MIN_RATIO: usize = 3;
 
-/// The azimuth falls by as much where a revolution begins; less is a head that stands, or a packet that came late.
+/// The azimuth falls by this much where a revolution begins; less is a stopped head, or a late packet.
 const MAX_MIN_FALL: i32 = 2000;
 
 /// Azimuths that were measured.

@@ -70,7 +70,7 @@ impl Streams {
         }
     }
 
-    /// Notes that time has gone on; a sentence where the sensor has lost its place.
+    /// Advances the time; returns a sentence if the sensor was deselected.
     pub(super) fn look(&mut self, now: Duration) -> Option<String> {
         let silent = |shown: &&mut Shown| now.saturating_sub(shown.last) >= self.silence;
         let shown = self.shown.as_mut().filter(silent)?;

@@ -10,7 +10,7 @@ pub struct Foreign {
     pub(super) name: &'static str,
     /// The programs or devices that write it; empty where that adds nothing.
     pub(super) writer: &'static str,
-    /// How to convert it, after a colon.
+    /// Advice for converting it, after a colon.
     pub(super) advice: &'static str,
     /// Bytes that no other file has at this place; any of them is enough.
     pub(super) magic: &'static [Magic],

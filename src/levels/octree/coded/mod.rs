@@ -143,7 +143,7 @@ impl CodedCloud {
             && std::ptr::eq(self.of.shapes.as_ptr(), Arc::as_ptr(shapes))
     }
 
-    /// The cube that the root stands for.
+    /// The cube of the root.
     pub fn cube(&self) -> Cube {
         self.cube
     }

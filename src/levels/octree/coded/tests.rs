@@ -136,7 +136,7 @@ proptest! {
         }
     }
 
-    /// Of points with one normal, the disk of a node, at its drawn position, covers the disks of all points below it.
+    /// For points with one normal, the disk of a node, at its drawn position, covers the disks of all points below it.
     #[test]
     fn radii_cover_all_descendants(
         points in prop::collection::vec((prop::array::uniform3(-1f32..1.0), 0.001f32..0.3), 1..200),

@@ -59,7 +59,7 @@ pub(super) fn scrub_bar(ui: &mut Ui, context: &mut TimelineContext<'_>) -> Optio
     hovered
 }
 
-/// The playhead follows the pointer; playing goes on when it is let go.
+/// The playhead follows the pointer; playing continues when it is released.
 fn scrub(context: &mut TimelineContext<'_>, response: &Response, frame: Option<usize>) {
     let (Some(frame), Some(player)) = (frame, context.player.as_deref_mut()) else {
         return;
@@ -76,7 +76,7 @@ fn scrub(context: &mut TimelineContext<'_>, response: &Response, frame: Option<u
     }
 }
 
-/// The wheel shows fewer frames around the pointer, or more; sideways it goes on.
+/// The wheel shows fewer frames around the pointer, or more; sideways it scrolls.
 fn turn_wheel(ui: &Ui, response: &Response, visible: &mut VisibleFrames, count: usize) {
     let Some(pointer) = response.hover_pos().filter(|_| response.hovered()) else {
         return;

@@ -4,7 +4,7 @@ use super::*;
 use laz::{LazVlrBuilder, ParLasZipCompressor};
 use std::time::{Duration, Instant};
 
-/// The same cloud in the older compression, which has one stream of bytes for all fields.
+/// Writes the cloud in the older compression, with one stream of bytes for all fields.
 fn older(chunk_points: u32) -> Vec<u8> {
     const POINT_BYTES: u16 = 28;
     let compression = LazVlrBuilder::default().with_point_format(1, 0).unwrap();

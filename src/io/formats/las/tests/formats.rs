@@ -85,7 +85,7 @@ fn every_format_has_its_fields_at_the_standard_offsets() {
     }
 }
 
-/// The same file compressed, including waveform data (formats 4, 5, 9 and 10).
+/// Compressed files equal the uncompressed ones, including waveform data (formats 4, 5, 9 and 10).
 #[test]
 fn every_format_is_unpacked() {
     const COUNT: usize = 300;

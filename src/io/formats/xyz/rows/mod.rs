@@ -159,7 +159,7 @@ pub(in crate::io) struct Lone {
     pub(in crate::io) value: f64,
 }
 
-/// The first of the things that are wrong, and their number.
+/// The first fault, and the number of faults.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(in crate::io) struct Odd {
     pub(in crate::io) count: usize,

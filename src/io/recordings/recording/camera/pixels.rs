@@ -131,7 +131,7 @@ fn numbers<T, const SIZE: usize>(bytes: &[u8], big_endian: bool, number: fn([u8;
     bytes.as_chunks::<SIZE>().0.iter().map(in_order).collect()
 }
 
-/// Red, green and blue, which stand at these places of a pixel.
+/// Red, green and blue, at these positions of a pixel.
 fn colors(bytes: &[u8], pixel_bytes: usize, places: [usize; 3]) -> Vec<[u8; 3]> {
     let pixels = bytes.chunks_exact(pixel_bytes);
     pixels.map(|pixel| places.map(|place| pixel[place])).collect()
