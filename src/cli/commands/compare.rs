@@ -49,7 +49,7 @@ struct Comparison {
     psnr_db: Option<f64>,
     flip_mean: f64,
     flip_max: f64,
-    /// Null for images smaller than a window.
+    /// Null for images smaller than the SSIM window.
     ssim: Option<f64>,
     different_pixels: u64,
     different_share: f64,

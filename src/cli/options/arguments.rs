@@ -111,7 +111,7 @@ enum StreamOf {
     /// All of each frame.
     #[default]
     Frames,
-    /// Surfels of the part that the window shows.
+    /// Surfels of what the window shows of it.
     Surfels,
 }
 

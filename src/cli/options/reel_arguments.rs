@@ -128,7 +128,7 @@ impl From<ReelCoding> for Coding {
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum ReelPrecision {
     Lossless,
-    /// A length, in units of the file or in metric ones.
+    /// A length in units of the file, or in metres if given so.
     Length {
         length: f64,
         metres: Option<f64>,
