@@ -1,14 +1,15 @@
-//! Surfels from the byte code of an octree beside exact disks and beside points: `cargo bench --bench coded_render`.
+//! Surfels from the byte code of an octree against exact disks and points:
+//! `cargo bench --bench coded_render`.
 //!
-//! Measured, at 1920×1080 of a bumpy torus on one thread, from the packet until the picture is finished in memory:
-//! 100,000 surfels as exact disks; their byte code as masks with normals of 13 and 17 bits, with light once a normal
-//! and once a splat; as one pixel for each cell; and the same records as plain points of a pixel. From ten times as
-//! far, where cells below a pixel are not divided; as large as the picture; and from within, where most is culled.
+//! Measured, at 1920×1080 of a bumpy torus on one thread, from the packet until the image is finished in memory:
+//! 100,000 surfels as exact disks; their byte code as masks with normals of 13 and 17 bits, with light per normal and
+//! per splat; as one pixel per cell; and the same records as plain points of a pixel. From ten times as far, where
+//! cells below a pixel are not divided; as large as the image; and from within, where most is culled.
 //!
-//! First a table of medians of rounds in which all take turns, so that whatever else the machine does befalls all
-//! alike: milliseconds, millions of points drawn a second, and decibels beside the exact disks. Above it, what the code
-//! takes for each leaf: of a tree with δ = 5 %, and of one whose cells are as large as points are far apart, which is
-//! what the paper's bound of 2.67 bits is for. Criterion then measures the same by itself.
+//! First a table of medians of rounds in which all take turns, so that other load on the machine affects all alike:
+//! milliseconds, millions of points drawn per second, and decibels compared with the exact disks. Above it, the bits of
+//! code per leaf: of a tree with δ = 5 %, and of one whose cells are as large as the spacing of the points, for which
+//! the paper's bound of 2.67 bits holds. Criterion then measures the same by itself.
 //!
 //! Not measured: making the code (once a frame: printed as well), showing.
 

@@ -1,20 +1,20 @@
-//! Pictures by the software renderer beside those by the graphics library: `cargo bench --bench cpu_render`.
+//! Images by the CPU renderer compared with those by the graphics library: `cargo bench --bench cpu_render`.
 //!
-//! Measured, at 1920×1080 of a bumpy torus in Morton order that fills the picture: 1,000,000 points (one pixel each),
+//! Measured, at 1920×1080 of a bumpy torus in Morton order that fills the image: 1,000,000 points (one pixel each),
 //! 100,000 surfels (two-pass-enlarged, 2×) and voxels (τ 1 px), and a plain torus of 100,000 vertices and twice as many
-//! triangles, from the packet until the picture is finished in memory, by the software renderer on one and on two
+//! triangles, from the packet until the image is finished in memory, by the CPU renderer on one and on two
 //! threads, and by the adapter that the program would take (no read back), whose name is printed first. Also from ten
-//! times as far, where the picture costs less, and from within, where most is culled.
+//! times as far, where the image costs less, and from within, where most is culled.
 //!
-//! Eye-dome lighting and the grid at 1280×720, two threads: the time of what follows over the whole picture, as the
-//! renderer states it, of points that fill the picture, beside one read of as many depths; and whole pictures with and
-//! without it, since tiles have to keep their depths as well.
+//! Eye-dome lighting and the grid at 1280×720, two threads: the time of the passes over the whole image, as the
+//! renderer states it, of points that fill the image, next to one read of the same number of depths; and whole images
+//! with and without it, since tiles have to keep their depths as well.
 //!
-//! Light at 1280×720 with eye-dome lighting, two threads: whole pictures of the same surfels in each way to light them;
-//! what deferred shading costs is their difference to `none`. Then, of Lambert's light of three lamps, each further
-//! pass beside the picture without one. A shadow map is drawn once: the light stays.
+//! Light at 1280×720 with eye-dome lighting, two threads: whole images of the same surfels in each lighting mode; the
+//! cost of deferred shading is their difference to `none`. Then, of Lambert's light of three lamps, each further pass
+//! compared with the image without one. A shadow map is drawn once: the light stays.
 //!
-//! `plain fill` is what the memory of the picture takes to be written.
+//! `plain fill` is the time to write the memory of the image.
 //!
 //! Not measured: decoding, normals, octrees, boxes around blocks of records (once a frame: `prepare`), showing.
 
@@ -46,7 +46,7 @@ use shapes::threads;
 
 const SIZE_PX: [u32; 2] = [1920, 1080];
 
-/// The torus as seen from a distance of so many units from its middle.
+/// The torus as seen from a distance of this many units from its centre.
 fn packet(count: usize, primitive: Primitive, distance: f64) -> ScenePacket {
     let (positions, colors) = shapes::bumpy_torus(count);
     let normals = shapes::bumpy_torus_normals(count);
@@ -117,7 +117,7 @@ fn packet(count: usize, primitive: Primitive, distance: f64) -> ScenePacket {
     }
 }
 
-/// A torus of as large a surface with `count` vertices, and twice as many triangles, in the order of frames.
+/// A torus of the same surface area with `count` vertices, and twice as many triangles, in the order of frames.
 fn torus_mesh(count: usize) -> MeshRecords {
     let columns = ((count as f64 * 2.5).sqrt()) as u32;
     let rows = count as u32 / columns;
@@ -193,7 +193,7 @@ fn pictures(criterion: &mut Criterion) {
     });
 }
 
-/// Disks beside ellipses and beside both filtered to the pixels: the same cloud, by turns.
+/// Disks compared with ellipses and with both filtered to the pixels: the same cloud, by turns.
 fn splats(criterion: &mut Criterion) {
     let (_, pool) = threads::pools([1, 2]).last().expect("two pools");
     for count in [100_000, 1_000_000] {
@@ -218,7 +218,7 @@ fn splats(criterion: &mut Criterion) {
     }
 }
 
-/// Surfels that fill the picture, in each light.
+/// Surfels that fill the image, in each lighting mode.
 fn light(criterion: &mut Criterion) {
     let mut packet = packet(100_000, Primitive::Surfel, 1.9);
     packet.style.light.eye_dome = EyeDome::On;
@@ -270,7 +270,7 @@ fn light(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// From near enough that what is drawn fills a picture of 1280×720.
+/// From near enough that the object fills an image of 1280×720.
 fn seen_at_720p(packet: &mut ScenePacket) {
     packet.viewport_px = [1280, 720];
     let mut camera = Camera::framing(&packet.bounds, DVec3::ZERO, UpAxis::Z);
@@ -278,7 +278,7 @@ fn seen_at_720p(packet: &mut ScenePacket) {
     packet.view = camera.transform(DVec3::ZERO, packet.viewport_px);
 }
 
-/// What follows over the whole picture.
+/// Passes over the whole image.
 fn screen(criterion: &mut Criterion) {
     let mut packet = packet(1_000_000, Primitive::Point, 1.9);
     seen_at_720p(&mut packet);

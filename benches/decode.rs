@@ -1,15 +1,15 @@
-//! How fast files become clouds, beside what the machine needs to move the same bytes.
+//! Time to decode files to clouds, compared with moving the same bytes.
 //!
 //! Each format is a group of three rows over the same 100,000 points, and criterion's `thrpt` is bytes of the file a
 //! second in all of them, so that they divide into each other:
 //!
-//! - `decode`: [`pointreel::io::read_bytes`] on bytes in memory: what is added to reading;
-//! - `copy`: the same bytes into a fresh allocation: what no decoder can beat;
-//! - `read file`: [`std::fs::read`] of the same bytes from the system's cache: what a player waits for in any case.
+//! - `decode`: [`pointreel::io::read_bytes`] on bytes in memory: the time added to reading;
+//! - `copy`: the same bytes into a fresh allocation: no decoder can beat this;
+//! - `read file`: [`std::fs::read`] of the same bytes from the system's cache: a player waits for it in any case.
 //!
 //! Not measured: a cold disk, memory that the process touches for the first time (the loops reuse theirs), the check
 //! into a `Frame`, normals and radii (`benches/normals.rs`, `benches/prepare.rs`). All on one thread. Target: the
-//! binary PLY in well under 5 ms; the other two rows say how far from the floor that is.
+//! binary PLY in well under 5 ms; the other two rows show the distance from the floor.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use pointreel::io;

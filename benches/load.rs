@@ -1,13 +1,13 @@
-//! How fast a million coloured points come from a file, beside a plain read of the same file.
+//! Time to read a million coloured points from a file, compared with a plain read of the same file.
 //!
 //! - *threads*: [`pointreel::io::read`], the file's bytes from the system's cache included;
-//! - *read*: [`std::fs::read`] of the same file, which nobody can beat who needs all bytes.
+//! - *read*: [`std::fs::read`] of the same file, which no reader of all bytes can beat.
 //!
 //! The three take turns, so that a machine that slows down meanwhile slows all; medians. Not criterion, which measures
-//! one after the other: on a shared machine a ratio of two minutes says little. `cargo bench --bench load -- ply`
-//! measures one format.
+//! one after the other: on a shared machine ratios over minutes are unreliable.
+//! `cargo bench --bench load -- ply` measures one format.
 //!
-//! Targets: binary PLY at 60 % of the plain read, text at 100 MB/s a core. Not measured: a cold disk.
+//! Targets: binary PLY at 60 % of the plain read, text at 100 MB/s per core. Not measured: a cold disk.
 
 use pointreel::cloud::{Positions, RawCloud, ScalarField};
 use pointreel::io::{self, WriteFormat};
@@ -27,7 +27,7 @@ static ALLOCATOR: Allocator = Allocator::new();
 
 const POINTS: usize = 1_000_000;
 
-/// A terrain with millimetres, as a survey has it, of which the text has about ten characters a number.
+/// A terrain with millimetres, as a survey has it, of which the text has about ten characters per number.
 fn cloud(has_scalars: bool) -> RawCloud {
     let position = |index: usize| {
         let (x, y) = ((index % 1000) as f32, (index / 1000) as f32);
@@ -44,7 +44,7 @@ fn cloud(has_scalars: bool) -> RawCloud {
     cloud
 }
 
-/// How long each format is measured.
+/// Measuring time per format.
 const MEASURED: Duration = Duration::from_secs(4);
 
 #[expect(clippy::print_stdout, reason = "the table is what this program is for")]

@@ -1,4 +1,4 @@
-//! The neighbours and normals of a large cloud, beside the k-d tree of the crate kiddo.
+//! The neighbours and normals of a large cloud, compared with the k-d tree of the crate kiddo.
 //!
 //! Measured: 1,000,000 points in random order, k = 16, on one thread and on two, from positions to the answer, with
 //! everything allocated. *neighbours* are lists in the order of the file, nearest first; *planes* the normals of
@@ -81,7 +81,7 @@ fn in_morton_order(positions: &[Vec3]) -> Vec<Vec3> {
     order.par_iter().map(|&index| positions[index as usize]).collect()
 }
 
-/// Prints how far both kinds of normals are from the true ones.
+/// Prints the errors of both kinds of normals.
 #[expect(clippy::print_stdout, reason = "part of the result")]
 fn compare_normals(positions: &[Vec3]) {
     let truth = shapes::bumpy_torus_normals(POINTS);
@@ -121,7 +121,7 @@ fn principal_normal(positions: &[Vec3], index: usize, list: &[u32]) -> Vec3 {
     covariance.eigen().vectors[0].as_vec3()
 }
 
-/// Whichever way the normals face.
+/// Regardless of the normals' signs.
 fn mean_degrees(found: &[Vec3], truth: &[Vec3]) -> f64 {
     AngularError::of(found, truth, Orientation::Ignored)
         .expect("there are normals")

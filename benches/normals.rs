@@ -1,13 +1,13 @@
-//! Completing a frame without normals: what `estimate_surface` does, and its first stage alone.
+//! Completing a frame without normals: `estimate_surface`, and its first stage alone.
 //!
-//! Measured: 100,000 points in random order, k = 12, on one thread and on as many as there are cores, with everything
+//! Measured: 100,000 points in random order, k = 12, on one thread and on one per core, with everything
 //! allocated. *surface* is all of it (tree, neighbours, normals, radii, orientation over the spanning tree), *surface
-//! to sensor* without the spanning tree, *radii* what a file with normals needs, *neighbours* tree and neighbours with
-//! the lists put into file order, *planes* normals alone.
+//! to sensor* without the spanning tree, *radii* the work for a file with normals, *neighbours* tree and neighbours
+//! with the lists put into file order, *planes* normals alone.
 //!
-//! *noisy surface* is the same of points with noise of half their spacing, next to that of twelve neighbours.
+//! *noisy surface* is the same of points with noise of half their spacing, next to the time for twelve neighbours.
 //!
-//! *large* is 4,000,000 points, whose signs are those of representatives: *surface*, *surface to sensor*, and beside
+//! *large* is 4,000,000 points, whose signs are those of representatives: *surface*, *surface to sensor*, and next to
 //! them the neighbours alone, as sorted lists, and a plain read of the positions.
 //!
 //! Not measured: decoding, packing of records.

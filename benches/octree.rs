@@ -1,14 +1,14 @@
 //! Building the octree of one frame (the 4D media paper, Table III, column *build*).
 //!
 //! Measured: `Octree::build` from positions and colours in memory, on one and two threads, at δ = 2, 10 and 50 % and
-//! with at most eight points a leaf, with everything it allocates; of points that are in Morton order already, as those
-//! of frames are; `Octree::with_stop` when δ changes; the most memory that a build holds; and beside it, in the same
+//! with at most eight points per leaf, with everything it allocates; of points that are in Morton order already, as
+//! those of frames are; `Octree::with_stop` when δ changes; the peak memory of a build; and next to it, in the same
 //! run, a textbook radix sort of the same 63-bit Morton codes (eight passes of eight bits), alone and with the point
 //! indices that a build needs.
 //!
 //! First, the bare sort, two of it at once, and a build at δ = 2 % on one and on two threads take turns, so that a
 //! machine that slows down slows all of them: medians and their ratios, which hold where times do not. Two sorts at
-//! once share no work and no memory, so that they say what a second processor is worth at all.
+//! once share no work and no memory, so they show the gain from a second core at all.
 //!
 //! Not measured: decoding the frame, making the codes (for the bare sorts), handing the memory back to the system.
 
@@ -98,7 +98,7 @@ fn build(criterion: &mut Criterion) {
     }
 }
 
-/// Rounds of each thing that takes turns.
+/// Rounds of each alternating case.
 const ROUNDS: usize = 50;
 
 #[expect(clippy::print_stdout, reason = "what is measured by turns")]

@@ -1,11 +1,12 @@
-//! Painting egui on the processor: the program's own window of 1280×800, panels, text and all.
+//! Painting egui on the CPU: the program's own window of 1280×800, with all panels and text.
 //!
-//! Measured: what a frame costs from egui's shapes to pixels, that is comparing the shapes with those of the last
-//! frame, tessellating what is new and painting the damage; for a window that is all new, one in which only the 3-D
-//! picture is another one (as large as it is shown, or half as large and scaled), one with another label, and one that
-//! is the same. Beside them a copy of as many pixels, in the same run, and egui's own tessellation of the whole window.
+//! Measured: the cost of a frame from egui's shapes to pixels, that is comparing the shapes with those of the last
+//! frame, tessellating the new ones and painting the damage; for a window that is all new, one in which only the 3-D
+//! image is another one (as large as it is shown, or half as large and scaled), one with another label, and one that is
+//! the same. Next to them a copy of the same number of pixels, in the same run, and egui's own tessellation of the
+//! whole window.
 //!
-//! Not measured: running the panels; drawing the 3-D picture; handing the pixels to the window system.
+//! Not measured: running the panels; drawing the 3-D image; handing the pixels to the window system.
 
 #![allow(clippy::unwrap_used, reason = "a helper of a benchmark that cannot go on ends it")]
 
@@ -75,7 +76,7 @@ impl Window {
         output.shapes
     }
 
-    /// Shows shapes and paints what changed; returns how many pixels that were.
+    /// Shows shapes and paints the changes; returns the number of pixels.
     fn frame(&mut self, shapes: &[ClippedShape], pictures: &[(TextureId, &RgbaImage)], size_px: [u32; 2]) -> u64 {
         self.painter.show(&self.ctx, shapes.to_vec(), 1.0, size_px);
         let damage = self.painter.take_damage();

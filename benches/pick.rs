@@ -1,9 +1,10 @@
 //! Picking the point under a pixel.
 //!
-//! Measured: `pick` in the middle and at a corner of a picture of 1920×1080 that 1,000,000 points fill (Morton order),
-//! drawn as points and as surfels; and, in the same run, one read of all positions (their box), on as many threads.
+//! Measured: `pick` at the centre and at a corner of an image of 1920×1080 that 1,000,000 points fill (Morton order),
+//! drawn as points and as surfels; and, in the same run, one read of all positions (their box), on the same number of
+//! threads.
 //!
-//! Not measured: drawing; what is read out of the frame for the panel.
+//! Not measured: drawing; the data read from the frame for the panel.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glam::{DVec3, Vec3};

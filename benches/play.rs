@@ -1,9 +1,9 @@
 //! Playing files from disk by the clock, as the window does: `pointreel bench play` on sequences that are written
 //! first.
 //!
-//! Measured: the rate held, the share of points shown, late and skipped frames and memory, at 1280×720: 100 frames of
-//! 100,000 coloured points with normals at 60 a second; 30 frames of 1,000,000 without normals at 30 a second. With the
-//! argument `soak`: 10,000 frames of the former in 256 MiB, so that each is read again and again, and memory at the
+//! Measured: the rate held, the fraction of points shown, late and skipped frames and memory, at 1280×720: 100 frames
+//! of 100,000 coloured points with normals at 60 fps; 30 frames of 1,000,000 without normals at 30 fps. With the
+//! argument `soak`: 10,000 frames of the former in 256 MiB, so that each is read repeatedly, and memory at the
 //! beginning, most and at the end.
 
 use pointreel::bench::{BenchOptions, Input, Step, run, suites};
@@ -78,7 +78,7 @@ fn main() {
 }
 
 impl MultiviewVideo {
-    /// A torus with bumps that turns.
+    /// A bumpy torus that rotates.
     fn write(&self, folder: &Path) {
         let (positions, colors) = shapes::bumpy_torus(self.points);
         let normals = shapes::bumpy_torus_normals(self.points);

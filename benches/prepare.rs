@@ -1,13 +1,13 @@
-//! How fast a sequence becomes ready to be drawn: files → decoded → completed → records, through the real [`Loader`]
+//! Time until a sequence is ready to be drawn: files → decoded → completed → records, through the real [`Loader`]
 //! with one worker a core.
 //!
 //! Measured: the wall time from opening to the last (or first) frame with points and shapes; files are in the system's
 //! cache, as when a sequence loops. *opened and read once* fills an empty cache, whose memory is fresh; *played on*
-//! goes five times through the sequence with a cache that holds a fifth of it, so every frame is made anew, in the
-//! memory of one that was dropped. Not measured: a cold disk, octrees, uploads, drawing.
+//! goes five times through the sequence with a cache that holds a fifth of it, so every frame is prepared again, in the
+//! memory of a dropped one. Not measured: a cold disk, octrees, uploads, drawing.
 //!
-//! Targets on two cores: 100,000 points with normals in the file at 60 frames a second, without at 15; the first
-//! picture of 100 frames within 0.5 s of opening. Criterion's `thrpt` is frames a second.
+//! Targets on two cores: 100,000 points with normals in the file at 60 fps, without at 15; the first image of 100
+//! frames within 0.5 s of opening. Criterion's `thrpt` is frames per second.
 
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use pointreel::analysis::{SurfaceOptions, fake_color};
@@ -29,7 +29,7 @@ static ALLOCATOR: Allocator = Allocator::new();
 
 const POINTS: usize = 100_000;
 const ROUNDS: usize = 5;
-/// What a prepared frame takes: position, index, normal and colour, a point and a shape.
+/// Size of a prepared frame: position, index, normal and colour, a point and a shape.
 const FRAME_BYTES: usize = POINTS * (32 + 16 + 16);
 const SURFELS: Needs = Needs {
     shapes: true,
@@ -42,7 +42,7 @@ const SURFELS: Needs = Needs {
     hints: ColorHints::NONE,
 };
 
-/// What a scanner's file has beside positions and colours.
+/// Attributes of a scanner's file in addition to positions and colours.
 #[derive(Clone, Copy)]
 enum Attributes {
     None,
@@ -193,7 +193,7 @@ fn spiral() -> Frame {
     Frame::from_raw(raw, glam::DVec3::ZERO).expect("a good cloud")
 }
 
-/// What another way to colour takes, beside a pass over the same points that writes records of one colour.
+/// The cost of another colouring, compared with a pass over the same points that writes records of one colour.
 fn recolor(criterion: &mut Criterion) {
     pointreel::memory::keep_freed_pages();
     let frame = Arc::new(spiral());

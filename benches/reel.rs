@@ -1,11 +1,11 @@
-//! Sequence files: bits a point by stream, and how long encoding and decoding take.
+//! Sequence files: bits per point by stream, and times of encoding and decoding.
 //!
 //! Measured, in memory: a bumpy torus at 10 bits, geometry alone (lossless voxels); the same surface sampled so densely
 //! that most cells are occupied; the torus with normals and colours at the sampling density, and lossless; and, where
 //! the folder is there, the walking man of `../shared/data/sequences`. Encoding begins with clouds as they were decoded
 //! and ends with bytes; decoding begins with bytes and ends with a cloud. Not measured: reading and writing of disks,
-//! validation of frames. Both codings are measured. Beside them stands what G-PCC's reference coder tmc13 needs for the
-//! first.
+//! validation of frames. Both codings are measured. Next to them are the figures of G-PCC's reference coder tmc13 for
+//! the first.
 //!
 //! `cargo bench --bench reel [THREADS]`
 

@@ -3,11 +3,11 @@
 //! Measured: `Octree::select` on one and two threads into a `Vec` that has its memory, for a tree seen whole, filling
 //! the image, and from within, at LOD thresholds of 0 (all leaves), 1 and 4 pixels at 1280 pixels of height; 88,000
 //! points at δ = 2 % and 1,000,000 at δ = 2 %. The throughput is visited nodes: tested ones and those emitted with a
-//! whole subtree. A view is asked for again and again, as by a camera in front of one frame, so that voxels of coarse
-//! levels are kept; one row has a tree of its own each time.
+//! whole subtree. A view is selected repeatedly, as by a camera in front of one frame, so that voxels of coarse levels
+//! are cached; one row has a tree of its own each time.
 //!
-//! Also, on all cores: `Octree::cut` alone, with the cut of the view before, and without what faces away; writing the
-//! surfels of a cut, and working out those of a level, which is done once for a frame.
+//! Also, on all cores: `Octree::cut` alone, with the cut of the previous view, and with back-face culling; writing the
+//! surfels of a cut, and computing those of a level, which is done once per frame.
 //!
 //! Not measured: the build, the upload, drawing.
 
@@ -57,8 +57,8 @@ fn select(criterion: &mut Criterion) {
     }
 }
 
-/// A camera that has moved by a hundredth, with and without the cut of the view before; and surfels of cells instead of
-/// voxels, with what faces away and without.
+/// A camera that has moved by a hundredth, with and without the cut of the previous view; and surfels of cells instead
+/// of voxels, with and without back faces.
 fn cut(criterion: &mut Criterion) {
     const POINTS: usize = 1_000_000;
     let surfels = lod_surfels(POINTS);
@@ -104,7 +104,7 @@ fn cut(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// The surfels of a torus of so many points.
+/// The surfels of a torus of this many points.
 fn lod_surfels(count: usize) -> LodSurfels {
     let (positions, colors) = shapes::bumpy_torus(count);
     let normals = shapes::bumpy_torus_normals(count);

@@ -1,16 +1,16 @@
-//! Depth from photographs: a pair of 1.4 megapixels, one of 128 × 128 pixels, and a plane sweep.
+//! Depth from images: a pair of 1.4 megapixels, one of 128 × 128 pixels, and a plane sweep.
 //!
 //! *aloe* is a pair of Middlebury's 2006 sets (1282 × 1110), if `../shared/data` is there: its range found, and matched
 //! in the range that was found by semi-global matching and by the local winner. *128* is a slanted plane of random
-//! texture, 64 disparities; *sweep* five views of it, 256 × 192 pixels. Each on one thread and on as many as there are
-//! cores, everything allocated, from grey (aloe, 128) or coloured images (sweep) in memory. *128* is matched by the
-//! graphics card as well (or by the program that stands for one: the name of the adapter is in the label), from images
-//! in memory to disparities in memory.
+//! texture, 64 disparities; *sweep* five views of it, 256 × 192 pixels. Each on one thread and on one per core,
+//! everything allocated, from grey (aloe, 128) or coloured images (sweep) in memory. *128* is matched by the GPU as
+//! well (or by a software adapter: the name of the adapter is in the label), from images in memory to disparities in
+//! memory.
 //!
 //! Before, errors of aloe are printed: over all pixels whose truth is known, and over those that OpenCV's SGBM answers
 //! where `target/opencv_sgbm.f32` is there (`scripts/opencv_sgbm.py` writes it and prints OpenCV's times and errors).
-//! The truth is in whole pixels, and the median of signed errors is no 0 for any matcher, OpenCV's included. So the
-//! median is told as it is, in steps of 1/16 px (OpenCV's answers have no finer ones), and less the signed median.
+//! The truth is in whole pixels, and the median of signed errors is not 0 for any matcher, OpenCV's included. So the
+//! median is printed as it is, in steps of 1/16 px (OpenCV's answers have no finer ones), and less the signed median.
 //!
 //! Not measured: decoding, rectification.
 

@@ -1,15 +1,16 @@
 //! Upload and drawing of 100,000 points by each instancing strategy: `cargo bench --bench upload_render`.
 //!
-//! Measured: `upload` is making the records resident (allocation, one copy a chunk, and the wait until it has arrived);
-//! `draw` is a picture of resident records from the packet until the GPU has finished, for points (one pixel) and for
-//! surfels (two-pass-enlarged, 2x), 640×480, a sphere that covers about half of it. All by the CPU's clock, on the
-//! adapter that the program would take, which is printed first; `WGPU_BACKEND` and `VK_DRIVER_FILES` choose another.
+//! Measured: `upload` is making the records resident (allocation, one copy per chunk, and the wait until it has
+//! arrived); `draw` is an image of resident records from the packet until the GPU has finished, for points (one pixel)
+//! and for surfels (two-pass-enlarged, 2x), 640×480, a sphere that covers about half of it. All by the CPU's clock, on
+//! the adapter that the program would take, which is printed first; `WGPU_BACKEND` and `VK_DRIVER_FILES` choose
+//! another.
 //!
-//! `draw in order` is a picture of 1,000,000 points, and of 100,000 surfels, in Morton order, in which frames keep
+//! `draw in order` is an image of 1,000,000 points, and of 100,000 surfels, in Morton order, in which frames keep
 //! them, and in random order.
 //!
 //! Not measured: decoding, normals, compiling pipelines, reading back, showing. GPU time, voxels, real scans and the
-//! picture size of the paper are the business of `pointreel bench`.
+//! image size of the paper are left to `pointreel bench`.
 
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec3, Vec3};
@@ -31,7 +32,7 @@ const POINTS: usize = 100_000;
 const MANY_POINTS: usize = 1_000_000;
 const SIZE_PX: [u32; 2] = [640, 480];
 
-/// A sphere of radius 1 with so many evenly spread surfels that close its surface.
+/// A sphere of radius 1 with this many evenly spread surfels that close its surface.
 fn sphere(count: usize, primitive: Primitive, strategy: Strategy) -> ScenePacket {
     let golden_angle = std::f32::consts::PI * (3.0 - 5f32.sqrt());
     let directions = (0..count).map(move |index| {
@@ -146,7 +147,7 @@ fn strategies(criterion: &mut Criterion) {
     }
 }
 
-/// What the order of points does to drawing them: that of frames, and a random one.
+/// The effect of the order of points on drawing: the order of frames, and a random one.
 fn order(criterion: &mut Criterion) {
     let context = Context::headless(&ContextOptions::default()).expect("an adapter");
     for (primitive, count) in [(Primitive::Point, MANY_POINTS), (Primitive::Surfel, POINTS)] {

@@ -1,10 +1,10 @@
-//! Assumptions: everything the program decides in a user's place, with its evidence and how to change it.
+//! Assumptions: everything the program decides for the user, with its evidence and how to change it.
 //!
-//! **How it works.** Whoever decides something that a file does not say (a reader which column is x, the first look
-//! which axis is up) makes an [`Assumption`]. Readers put theirs into `RawCloud::assumptions`, sources into
-//! `Source::assumptions`; [`Assumptions`] merges equal ones of many frames. `info` lists all of
-//! them, the window shows them as a list, and the other commands print those by [`Evidence::Statistics`] or
-//! [`Evidence::Fallback`] on stderr. A new kind of assumption is a row of `SUBJECTS`.
+//! **How it works.** Code that decides something not given by a file (the x column in a reader, the up axis in the
+//! initial view) makes an [`Assumption`]. Readers put theirs into `RawCloud::assumptions`, sources into
+//! `Source::assumptions`; [`Assumptions`] merges equal ones of many frames. `info` lists all of them, the window shows
+//! them as a list, and the other commands print those by [`Evidence::Statistics`] or [`Evidence::Fallback`] on stderr.
+//! A new kind of assumption is a row of `SUBJECTS`.
 
 use serde::{Serialize, Serializer};
 use std::fmt;
@@ -13,13 +13,13 @@ use std::fmt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Evidence {
-    /// The file or a sidecar file says so.
+    /// Stated by the file or a sidecar file.
     File,
     /// Files of the format are made so.
     Convention,
     /// The values of the data speak for it.
     Statistics,
-    /// Nothing does: it is what most files are like.
+    /// No evidence: most files are like that.
     Fallback,
 }
 
@@ -59,7 +59,7 @@ pub enum Subject {
     ColorDepth,
     /// The files, blocks or layers that are frames.
     Frames,
-    /// Values that stand for a missing point.
+    /// Values of a missing point.
     NoData,
     /// The times of frames.
     FrameTimes,
@@ -283,7 +283,7 @@ pub struct Assumptions {
 }
 
 impl Assumptions {
-    /// More distinct ones than anybody reads; further ones are dropped.
+    /// Max number of distinct ones; further ones are dropped.
     const MAX: usize = 256;
 
     /// Adds one frame's or source's assumption, if it is not there.

@@ -48,11 +48,11 @@ impl MinRate {
 pub struct ClientDeadlines {
     /// For a connection.
     pub connect: Duration,
-    /// For anything at all on a connection: servers of streams say what time it is once per second.
+    /// For anything at all on a connection: stream servers send the time once per second.
     pub silence: Duration,
     /// For an answer over HTTP with all its attempts, and for a message of a stream.
     pub transfer: MinRate,
-    /// For the first frame of what is live.
+    /// For the first frame of a live source.
     pub first_frame: Duration,
     /// For a sensor, before another one may have its place.
     pub sensor_silence: Duration,
@@ -88,7 +88,7 @@ pub struct ServerDeadlines {
     pub answer: MinRate,
     /// For a client that takes a message of a live stream.
     pub message: MinRate,
-    /// A client that is sent something and has taken nothing of it for so long gives way where all places are taken.
+    /// A client that has accepted no data of a transfer for this long is dropped when all places are taken.
     pub stuck: Duration,
     /// Timeout of a client waiting for a free slot before it is sent away.
     pub place: Duration,

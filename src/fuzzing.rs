@@ -1,4 +1,4 @@
-//! For the targets in `fuzz/` alone: readers that the program reaches by way of others.
+//! For the targets in `fuzz/` alone: readers that the program reaches through others.
 
 use crate::io::recordings::matroska::Matroska;
 use crate::io::recordings::recording::camera::{CameraMessage, bare_image, camera_info, extrinsics, links, number};
@@ -45,7 +45,7 @@ pub fn read_cameras(path: &Path) {
     }
 }
 
-/// Reads the first frames of all tracks of the Matroska file at `path`, and what is attached to it.
+/// Reads the first frames of all tracks of the Matroska file at `path`, and its attachments.
 pub fn read_matroska(path: &Path) {
     const MAX_BYTES: u64 = 1 << 24;
     let bytes = std::fs::metadata(path).map_or(0, |metadata| metadata.len());

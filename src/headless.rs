@@ -1,4 +1,4 @@
-//! Pictures without a window: the same sequence, scene and renderer as the window uses, one frame at a time.
+//! Rendering without a window: the same sequence, scene and renderer as in the window, one frame at a time.
 
 use crate::composition::{
     ComposeOptions, Composed, Drawn, Frames, Inputs, PHOTO_BYTES, PictureView, Problem, StandIns, WholeFrame, compose,
@@ -21,7 +21,7 @@ use image::RgbaImage;
 use serde::Serialize;
 use std::sync::{Arc, Mutex, OnceLock};
 
-/// Why a picture could not be made.
+/// Errors of headless rendering.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum HeadlessError {
@@ -33,14 +33,14 @@ pub enum HeadlessError {
     Render(#[from] RenderError),
 }
 
-/// The camera as a person asks for it: what is not given frames the cloud.
+/// The camera as the user specifies it: missing values frame the cloud.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct CameraChoice {
-    /// The whole camera, but for what else is given.
+    /// The whole camera, except for the other given values.
     pub view: Option<Camera>,
     /// Up axis; guessed from the cloud when not given.
     pub up: Option<UpAxis>,
-    /// Turn about the up axis, degrees.
+    /// Rotation about the up axis, degrees.
     pub azimuth_deg: Option<f64>,
     /// Height above the horizon, degrees.
     pub elevation_deg: Option<f64>,
@@ -50,13 +50,12 @@ pub struct CameraChoice {
     pub fov_deg: Option<f64>,
     /// Camera projection; perspective when not given.
     pub projection: Option<Projection>,
-    /// Shows all points, outliers and what is far away as well.
+    /// Frames all points, including outliers and far ones.
     pub frames_all: bool,
 }
 
 impl CameraChoice {
-    /// A camera that shows what `look` says of frames relative to `origin`, in a picture of `size_px`, but for what is
-    /// given.
+    /// The camera of `look` for frames relative to `origin`, in an image of `size_px`, except for the given values.
     pub fn camera(&self, look: &FirstLook, origin: DVec3, size_px: [u32; 2]) -> Camera {
         let aspect = f64::from(size_px[0]) / f64::from(size_px[1]);
         let framing = look.camera_with_up(self.up.unwrap_or(look.up), origin, aspect);
@@ -156,11 +155,11 @@ pub struct Headless {
     renderer: AnyRenderer,
     scene: Scene,
     look: OnceLock<Arc<FirstLook>>,
-    /// Texts over pictures.
+    /// Labels drawn over images.
     labels: Arc<Vec<Label>>,
     /// Input images that were loaded last.
     posed_images: Mutex<Option<(Arc<ViewSet>, Arc<LoadedPhotos>)>>,
-    /// Input images of one static scene that have a surface of their own.
+    /// Input images of one static scene that have their own surface.
     surfaced: Mutex<Option<Surfaced>>,
 }
 
@@ -187,7 +186,7 @@ impl Headless {
         }
     }
 
-    /// Has pictures that are exported say these texts from now on.
+    /// Sets the labels of exported images.
     pub fn set_labels(&mut self, labels: Arc<Vec<Label>>) {
         self.labels = labels;
     }
@@ -226,7 +225,7 @@ impl Headless {
         if let Some(look) = self.look.get() {
             return Ok(Arc::clone(look));
         }
-        // What else the image needs is only known after this.
+        // Other needs of the image are only known after this.
         let needs = Needs {
             colors: ColorSource::Uniform.into(),
             ..Needs::default()
@@ -264,7 +263,7 @@ impl Headless {
         self.loader.wait(index, &needs)
     }
 
-    /// [`Headless::frame`] for a picture of another frame: what is prepared meanwhile stays as it was.
+    /// [`Headless::frame`] for an image of another frame: frames being prepared are not affected.
     pub fn second_frame(&self, index: usize, style: &Style) -> Result<Arc<PreparedFrame>, FrameError> {
         self.loader.wait(index, &self.needs(style))
     }
@@ -309,11 +308,11 @@ impl Headless {
         Some(used)
     }
 
-    /// `pose` with all that `options` ask for. Inputs that are missing (a frame beyond the ends, a broken one) are
-    /// skipped, and told as problems, after what could not be read of the pose's own file.
+    /// `pose` with everything that `options` request. Missing inputs (a frame beyond the ends, a broken one) are
+    /// skipped, and reported as problems, after the faults of the frame's own file.
     ///
     /// # Errors
-    /// If all together has more points than a frame can have.
+    /// If the result has more points than a frame can have.
     pub fn compose(
         &self,
         pose: &Arc<PreparedFrame>,
@@ -372,7 +371,7 @@ impl Headless {
         packet(&mut self.scene, Drawn::from(frame), &view, &style)
     }
 
-    /// Draws what a packet says, in its size.
+    /// Draws a packet, in its size.
     pub fn draw_packet(&mut self, packet: &ScenePacket) -> Result<RgbaImage, RenderError> {
         self.renderer.prepare(packet)?;
         self.renderer.render()?;
@@ -421,7 +420,7 @@ impl Headless {
     }
 }
 
-/// Frames are waited for; what is prepared meanwhile stays as it was.
+/// Waits for frames; frames being prepared are not affected.
 impl Frames for Headless {
     fn frame_count(&self) -> usize {
         self.sequence.len()

@@ -7,7 +7,7 @@
 //! | [`memory`] | the global allocator, its retention of freed memory, human-readable memory sizes |
 //! | `temporary` | temporary files, kept on disk only until a command ends |
 //! | `signals` | termination signals |
-//! | `persist` | files that are kept between runs |
+//! | `persist` | files that persist between runs |
 //! | [`deadlines`] | timeouts for other machines |
 //! | [`waiting`] | pending waits for other machines |
 //! | `locks` | locks that continue after a panic elsewhere |
@@ -29,9 +29,9 @@
 //! | [`source`] | frame sources: files in order, recordings, shapes, streams |
 //! | [`timeline`] | schedule of the frames: the clock, its speed and the playback range |
 //! | [`sequence`] | frames prepared ahead of the playhead within a byte budget |
-//! | [`scene`] | camera, settings, the [`scene::ScenePacket`] that holds everything for one rendered frame, and picking of the content under its pixels |
+//! | [`scene`] | camera, settings, picking, the [`scene::ScenePacket`] with everything for one rendered frame |
 //! | [`composition`] | the stages from a frame to its scene packet: derived frames, images, levels |
-//! | [`document`] | the open document and everything created around it: session files, kept state, undo |
+//! | [`document`] | the open document and everything created around it: session files, persisted state, undo |
 //! | [`playback`] | the playhead: the frame that is due, the frame that is shown, and its number of points |
 //! | [`render`] | rendering of packets into pixels: five instancing strategies, surfels, voxels and points |
 //! | [`headless`] | rendering without a window |
@@ -39,7 +39,7 @@
 //! | [`mod@bench`] | the paper's tables, measured here |
 //! | [`mod@check`] | validation of a sequence |
 //! | [`mod@convert`] | conversion of frames to other files |
-//! | [`serve`] | a sequence file by HTTP, any sequence as a live stream |
+//! | [`serve`] | a sequence file over HTTP, any sequence as a live stream |
 //! | [`app`] | the window |
 //! | [`cli`] | the command line |
 //! | `fuzzing` | readers for the targets in `fuzz/` |

@@ -1,4 +1,4 @@
-//! Locks that go on after a panic elsewhere: no invariant is broken between statements that can panic, so the data is
+//! Locks that survive a panic elsewhere: no invariant is broken between statements that can panic, so the data is
 //! usable.
 
 use std::sync::{Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};

@@ -1,8 +1,7 @@
-//! Messages of one kind: a hundred frames with the same fault are one thing to say, not a hundred.
+//! Messages of one kind: a hundred frames with the same fault are one message, not a hundred.
 //!
-//! Messages are made where something is found, by many hands, and name the file, the place in it and what stands there.
-//! Two of them are of one kind if they differ in nothing else: in numbers, in names of files, in what is quoted from a
-//! file.
+//! Messages are made where something is found, throughout the code, and name the file, the place in it and its content.
+//! Two of them are of one kind if they differ only in numbers, names of files and quotes from a file.
 
 /// Formats the frame number for user-facing messages: the position among all frames, as in the timeline, "frame 3 of
 /// 24". Options, names of files and JSON use its index, which counts from 0.
@@ -26,8 +25,8 @@ pub(crate) fn frames_with_indices(first: usize, last: usize) -> String {
     format!("frames {} to {} (indices {first} to {last})", first + 1, last + 1)
 }
 
-/// The sentence that refuses frames `first..=last` asked for by `option` of a sequence of `count` frames; `None` if all
-/// of them are there. The one rule of all commands: a range is never cut in silence.
+/// The error for frames `first..=last` requested by `option` from a sequence of `count` frames; `None` if all of them
+/// exist. Common to all commands: a range is never cut silently.
 pub(crate) fn missing_frames(option: &str, first: usize, last: usize, count: usize) -> Option<String> {
     let end = count.checked_sub(1);
     if end.is_some_and(|end| last <= end) {

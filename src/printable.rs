@@ -1,9 +1,9 @@
-//! Text that comes out of files, for people: what a terminal would obey is shown instead.
+//! Text from files, for display: control characters that a terminal would obey are shown as escapes.
 //!
 //! **How it works.** Control characters (C0 but line breaks and tabulators, DEL, C1) move the cursor, colour and clear
 //! terminals, and set their titles; marks of direction (Unicode, UAX 9) make a name read backwards, `gpj.exe` as
 //! `exe.jpg`. Each becomes its escape as in JSON, `\u001b`, so that text which is JSON stays that. Names are cleaned
-//! where they come out of a file ([`name`]), and all that the command line says once more ([`text`]).
+//! when read from a file ([`name`]), and all output of the command line again ([`text`]).
 
 use std::borrow::Cow;
 use std::fmt::Write as _;

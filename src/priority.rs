@@ -9,8 +9,8 @@ use thread_priority::{ThreadPriority, ThreadPriorityValue, set_current_thread_pr
 // cores).
 const BEHIND_DRAWING: u8 = 25;
 
-/// Lowers the priority of the current thread below other threads of the program: it prepares what is drawn later. A
-/// rendered frame that waits for threads which prepare others is late; those have until they are due.
+/// Lowers the priority of the current thread below other threads of the program: it prepares frames that are drawn
+/// later. A rendered frame that waits for threads which prepare others is late; those have until they are due.
 pub(crate) fn go_behind_drawing() {
     // Not SCHED_IDLE: it yields at once, not after a time slice of 4 ms, but a compiler running next to the window
     // would stop the loader altogether, and a thread cannot leave that class without privileges.
@@ -22,9 +22,9 @@ pub(crate) fn go_behind_drawing() {
     }
 }
 
-/// Has this thread do its part of what it shares out. Otherwise it sleeps until others have done all, which must be
-/// woken first: while the threads that prepare frames have every processor, the system lets them end their slices, and
-/// a picture waits up to 4 ms.
+/// Has this thread do its part of the work that it distributes. Otherwise it sleeps until others have done all, which
+/// must be woken first: while the threads that prepare frames occupy every core, the system lets them end their time
+/// slices, and an image waits up to 4 ms.
 pub(crate) fn work_with_this_thread() {
     let threads = rayon::ThreadPoolBuilder::new()
         .thread_name(|number| format!("helper {number}"))

@@ -16,7 +16,7 @@ struct Shared {
     tell: Option<Box<Tell>>,
 }
 
-/// Looks at what has become of the work.
+/// Observer of the progress.
 type Tell = dyn Fn(&Progress) + Send + Sync;
 
 impl std::fmt::Debug for Shared {
@@ -40,7 +40,7 @@ impl Progress {
         }))
     }
 
-    /// Says that `done` steps of `of` are done; `of` is 0 while nobody knows.
+    /// Reports that `done` of `of` steps are done; `of` is 0 while unknown.
     pub fn set(&self, done: usize, of: usize) {
         self.0.of.store(of, Ordering::Relaxed);
         self.0.done.store(done, Ordering::Relaxed);
@@ -48,7 +48,7 @@ impl Progress {
         self.tell();
     }
 
-    /// Says that so many more steps are done. Threads may share the work.
+    /// Reports that `steps` more steps are done. Threads may share the work.
     pub fn advance(&self, steps: usize) {
         self.0.done.fetch_add(steps, Ordering::Relaxed);
         self.tell();
@@ -75,7 +75,7 @@ impl Progress {
         Some(self.0.of.load(Ordering::Relaxed)).filter(|&of| of > 0)
     }
 
-    /// Asks whoever works to stop.
+    /// Asks the workers to stop.
     pub fn cancel(&self) {
         self.0.is_cancelled.store(true, Ordering::Relaxed);
     }

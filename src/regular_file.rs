@@ -7,19 +7,19 @@ use std::fs::{self, File, Metadata};
 use std::io::{Error, ErrorKind, Read as _, Result};
 use std::path::Path;
 
-/// [`File::open`] of what is a file, by whatever links.
+/// [`File::open`] of a regular file, through any links.
 pub(crate) fn open(path: &Path) -> Result<File> {
     check(path)?;
     File::open(path)
 }
 
-/// [`fs::read`] of what is a file.
+/// [`fs::read`] of a regular file.
 pub(crate) fn read(path: &Path) -> Result<Vec<u8>> {
     check(path)?;
     fs::read(path)
 }
 
-/// [`fs::read_to_string`] of what is a file.
+/// [`fs::read_to_string`] of a regular file.
 pub(crate) fn read_to_string(path: &Path) -> Result<String> {
     let mut text = String::new();
     open(path)?.read_to_string(&mut text)?;
@@ -34,7 +34,7 @@ pub(crate) fn check_replaceable(path: &Path) -> Result<()> {
     }
 }
 
-/// Fails for what is there and is no file.
+/// Fails if the path exists and is not a regular file.
 pub(crate) fn check(path: &Path) -> Result<()> {
     let metadata = fs::metadata(path)?;
     if metadata.is_file() {
@@ -57,7 +57,7 @@ pub(crate) fn id(path: &Path) -> Option<(u64, u64)> {
     fs::metadata(path).ok().as_ref().and_then(id_of)
 }
 
-/// [`id`] of a file that is open, or was looked at.
+/// [`id`] from the metadata of a file.
 #[cfg(unix)]
 #[expect(clippy::unnecessary_wraps, reason = "other systems do not say")]
 pub(crate) fn id_of(metadata: &Metadata) -> Option<(u64, u64)> {
@@ -65,7 +65,7 @@ pub(crate) fn id_of(metadata: &Metadata) -> Option<(u64, u64)> {
     Some((metadata.dev(), metadata.ino()))
 }
 
-/// [`id`] of a file that is open, or was looked at.
+/// [`id`] from the metadata of a file.
 #[cfg(not(unix))]
 pub(crate) fn id_of(_: &Metadata) -> Option<(u64, u64)> {
     None

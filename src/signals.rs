@@ -1,9 +1,9 @@
 //! Signals that ask the program to end: Ctrl+C (SIGINT), SIGTERM and SIGHUP.
 //!
-//! **How it works.** They are blocked in every thread but one, which waits for them; so no code runs inside of a signal
-//! handler, and a removal of files is an ordinary function call. At the first signal a command that can end well is
-//! asked to ([`on_first`]): it finishes what it is at. Any other command, and any command at the second signal, ends at
-//! once: temporary files are removed ([`temporary::remove_all`]) and the process dies by that signal, as shells and
+//! **How it works.** They are blocked in every thread but one, which waits for them; so no code runs inside a signal
+//! handler, and removing files is an ordinary function call. At the first signal a command that can end cleanly is
+//! asked to ([`on_first`]): it finishes the current step. Any other command, and any command at the second signal, ends
+//! at once: temporary files are removed ([`temporary::remove_all`]) and the process dies by that signal, as shells and
 //! service managers expect. A signal that was ignored when the program began (`nohup`, jobs in the background of
 //! scripts) stays ignored.
 
@@ -23,7 +23,7 @@ pub(crate) enum Signal {
 }
 
 impl Signal {
-    /// As a shell says it of a process that this signal has ended.
+    /// The exit code that a shell reports for a process ended by this signal.
     fn exit_code(self) -> i32 {
         match self {
             Self::Interrupt => 130,
@@ -70,13 +70,13 @@ impl Drop for EndsWell {
     }
 }
 
-/// Has the first signal call `stop`, after which the command is to end by itself, within `patience` if there is one.
+/// Has the first signal call `stop`, after which the command is to end by itself, within `patience` if given.
 pub(crate) fn on_first(stop: impl Fn() + Send + Sync + 'static, patience: Option<Duration>) -> EndsWell {
     state().stop = Some((Arc::new(stop), patience));
     EndsWell(())
 }
 
-/// Ends the process by the signal that has asked for it; returns where there was none. Temporary files are removed.
+/// Ends the process by the received signal; returns if there was none. Temporary files are removed.
 pub(crate) fn end_if_received() {
     let received = state().received;
     if let Some(signal) = received {
@@ -84,7 +84,7 @@ pub(crate) fn end_if_received() {
     }
 }
 
-/// Does as `signal` says.
+/// Handles `signal`.
 fn receive(signal: Signal) {
     let mut state = state();
     let is_first = state.received.is_none();
@@ -172,7 +172,7 @@ mod system {
         ctrlc::set_handler(|| receive(Signal::Interrupt)).map_err(io::Error::other)
     }
 
-    /// There are no signals to die by.
+    /// There are no signals on this system.
     pub(super) fn raise(_: Signal) {}
 }
 

@@ -28,7 +28,7 @@ pub(crate) fn is_same_word(left: &str, right: &str) -> bool {
     left == right || folded(left) == folded(right)
 }
 
-/// The spelling that stands for all spellings of a word.
+/// The canonical spelling of a word.
 fn folded(word: &str) -> String {
     let folded = british(&word.to_ascii_lowercase().replace('_', "-"));
     let parts = folded.split('-').map(|part| match part.strip_suffix('s') {

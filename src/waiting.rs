@@ -20,9 +20,9 @@ struct Waits {
 /// Something that is waited for.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Wait {
-    /// Another wait for the same thing has another number.
+    /// Another wait for the same data has another number.
     pub number: u64,
-    /// The end of a sentence that begins with *waiting for*: what, from where, and for how long at most.
+    /// The end of a sentence that begins with *waiting for*: the data, its source, and the timeout.
     pub what: String,
     begun: Instant,
 }
@@ -32,7 +32,7 @@ pub struct Wait {
 pub(crate) struct Waiting(u64);
 
 impl Waiting {
-    /// From now on `what` is waited for: the end of a sentence that begins with *waiting for*.
+    /// Starts a wait for `what`: the end of a sentence that begins with *waiting for*.
     pub(crate) fn for_(what: impl Into<String>) -> Self {
         let mut all = lock(&ALL);
         let number = all.next;

@@ -1,13 +1,13 @@
-//! Imports go one way, and what is not so is listed and may only shrink.
+//! Imports go one way; exceptions are listed, and the lists may only shrink.
 //!
-//! - A room, which is a module of the root, never names one to its right; see the table in `src/lib.rs`. Comments and
+//! - A module of the root never names one to its right; see the table in `src/lib.rs`. Comments and
 //!   tests count as well.
-//! - A part of a room (a folder) imports only those before it, where the list `PARTS` has the room.
-//! - `wgpu` and `egui` are named only where a list says so, and a build without their features has neither.
+//! - A part of a module (a folder) imports only those before it, where the list `PARTS` has the module.
+//! - `wgpu` and `egui` are named only where a list allows it, and a build without their features has neither.
 //! - Files that import one another are a *knot*. A name counts for the file that defines it, whatever re-exports it is
-//!   reached through; so a parent that only declares or re-exports a child does not import it, and a child that takes
-//!   what its parent re-exports imports the sibling. Comments, tests, and what is reached without being named (methods
-//!   and fields) do not count.
+//!   reached through; so a parent that only declares or re-exports a child does not import it, and a child that uses a
+//!   re-export of its parent imports the sibling. Comments, tests, and items reached without being named (methods and
+//!   fields) do not count.
 //! - A feature of the window is imported by files of its folder and by the table of features; other files that do are
 //!   listed.
 //! - Words that `docs/glossary.md` replaces are counted; their numbers may only shrink.
@@ -38,7 +38,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
-/// Rooms that may import those of earlier rows, and nothing of each other within a row that holds whole programs.
+/// Modules that may import those of earlier rows, and nothing of each other within a row that holds whole programs.
 const ORDER: &[&[&str]] = &[
     &["printable", "regular_file", "temporary"],
     &[
@@ -80,8 +80,8 @@ const ORDER: &[&[&str]] = &[
     &["cli"],
 ];
 
-/// Parts of rooms, which are folders: they may import those of earlier rows, as their headers say. What stands here is
-/// all that is checked; files of a room that are in none of its parts may import all of them.
+/// Parts of modules, which are folders: they may import those of earlier rows, as their headers say. Only the parts
+/// listed here are checked; files of a module that are in none of its parts may import all of them.
 const PARTS: &[(&str, &[&[&str]])] = &[
     ("photos", &[&["parts"], &["sets"], &["found"], &["images", "readers"]]),
     ("stereo", &[&["matching"], &["views"], &["dense"]]),
@@ -130,10 +130,10 @@ const MAY_NAME_WGPU: &[(&str, &str)] = &[
     ),
 ];
 
-/// Files and folders in which settings are decided: they alone of what is below the window may name an open choice.
+/// Files and folders in which settings are decided: below the window, they alone may name an open choice.
 const MAY_LEAVE_OPEN: &[&str] = &["scene/style/", "scene/first_look/"];
 
-/// What draws, and what packets are made by.
+/// Modules that draw, and that make packets.
 const DRAWS: &[&str] = &["scene/", "playback/", "render/", "headless", "export/"];
 
 /// Files and folders that may name `egui` or one of its companions.
@@ -446,10 +446,10 @@ fn files_stay_readable() {
     assert!(long.is_empty(), "split before 600 lines: {}", long.join(", "));
 }
 
-/// Of text that people read side by side: sources, shaders, documents.
+/// Maximum width of text that people read side by side: sources, shaders, documents.
 const MAX_COLUMNS: usize = 120;
 
-/// Files of the repository by their extensions, what is built and what is hidden left out.
+/// Files of the repository by their extensions, without build outputs and hidden files.
 fn files_with(extensions: &[&str]) -> Vec<PathBuf> {
     let mut files = Vec::new();
     let mut folders = vec![PathBuf::from(env!("CARGO_MANIFEST_DIR"))];

@@ -1,4 +1,5 @@
-//! Files that lie, end early or are noise: always an answer, never a panic, never memory for what is only claimed.
+//! Files that lie, end early or are noise: always an answer, never a panic, never memory for sizes that are only
+//! claimed.
 
 use pointreel::io::{self, IoError};
 use proptest::prelude::*;
@@ -75,7 +76,7 @@ fn pcd(points: &str, data: &str, payload: &[u8]) -> Vec<u8> {
 
 const XYZ: &str = "property float x\nproperty float y\nproperty float z\n";
 
-/// What is wrong, the file's name, its bytes, and a part of the message.
+/// The error, the file's name, its bytes, and a part of the message.
 type Case = (&'static str, &'static str, Vec<u8>, &'static str);
 
 /// Points that no file here has.

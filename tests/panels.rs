@@ -122,7 +122,7 @@ fn click(harness: &mut Harness<'_, State>, label: &str) {
     harness.run();
 }
 
-/// Waits for what another thread does, with the time of the window at rest.
+/// Waits for the work of another thread, with the time of the window at rest.
 fn until(harness: &mut Harness<'_, State>, what: &str, is_so: impl Fn(&State) -> bool) {
     let begin = Instant::now();
     while !is_so(harness.state()) {

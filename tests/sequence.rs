@@ -42,7 +42,7 @@ mod preparing;
 #[path = "sequence/shared_data.rs"]
 mod shared_data;
 
-/// Nobody waits longer than this for a frame before the test fails.
+/// Maximum wait for a frame before the test fails.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 const SURFELS: Needs = Needs {
@@ -92,7 +92,7 @@ fn index_of(source: &FrameEntry) -> usize {
         .expect("a name made by fake_sources")
 }
 
-/// `values`, which stand in the order of the frame, in the order of the file. Precondition: no point was dropped.
+/// `values`, in the order of the frame, returned in the order of the file. Precondition: no point was dropped.
 fn by_file<T: Copy>(frame: &Frame, values: &[T]) -> Vec<T> {
     let mut places: Vec<(u32, T)> = frame.file_index().iter().copied().zip(values.iter().copied()).collect();
     places.sort_by_key(|&(index, _)| index);
@@ -161,7 +161,7 @@ fn until_idle(loader: &Loader) {
     }
 }
 
-/// Sources that decode only when the test opens the gate, and a record of who came.
+/// Sources that decode only when the test opens the gate, and a record of its callers.
 #[derive(Default)]
 struct Gate {
     open: Mutex<bool>,

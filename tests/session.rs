@@ -1,6 +1,6 @@
-//! One sitting in front of the real program: open, play, scrub, draw otherwise, measure, export, by real keys and a
-//! real mouse. Pictures of the screen are compared from step to step: what is undone must look as it did before, to the
-//! last bit.
+//! One sitting in front of the real program: open, play, scrub, change the render mode, measure, export, by real keys
+//! and a real mouse. Screenshots are compared from step to step: after undo the screen must be the same as before, to
+//! the last bit.
 #![allow(clippy::unwrap_used, reason = "a helper of a test that cannot go on fails the test")]
 #![cfg(all(unix, not(target_os = "macos")))]
 
@@ -30,11 +30,11 @@ const VOXELS: [i16; 2] = [865, 154];
 const BODY: [[i16; 2]; 2] = [[345, 260], [345, 330]];
 /// Over the menu, where nothing lights up.
 const ASIDE: [i16; 2] = [640, 16];
-/// In the window of what was measured.
+/// In the window with the results.
 const DELETE_ALL: [i16; 2] = [149, 541];
 /// In the window that *Export* opens.
 const EXPORT: [i16; 2] = [128, 457];
-/// Height of the menu above the 3-D picture.
+/// Height of the menu above the 3-D view.
 const PICTURE_TOP: usize = 33;
 
 fn open_play_scrub_draw_otherwise_measure_and_export(painter: &str) {
@@ -101,7 +101,7 @@ fn open_play_scrub_draw_otherwise_measure_and_export(painter: &str) {
     assert!(program.0.try_wait().unwrap().is_none(), "the window went on");
 }
 
-/// The newest picture in `folder` once there are so many.
+/// The newest image in `folder` once there are this many.
 fn new_picture(folder: &Path, count: usize) -> RgbaImage {
     let begin = Instant::now();
     loop {
@@ -124,7 +124,7 @@ fn new_picture(folder: &Path, count: usize) -> RgbaImage {
     }
 }
 
-/// Asserts that the screen had these very pixels: `seen` is what [`Screen::picture`] returns, blue first.
+/// Asserts that the screen had exactly these pixels: `seen` is the result of [`Screen::picture`], blue first.
 fn assert_is_on_screen(saved: &RgbaImage, seen: &[u8]) {
     let [columns, rows] = [xvfb::PICTURE_COLUMNS, xvfb::PICTURE_ROWS];
     let pixels = rows.flat_map(|row| columns.clone().map(move |column| (column, row)));

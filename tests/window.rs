@@ -30,7 +30,7 @@ const RIGHT: u32 = 0xff53;
 const L: u32 = 0x6c;
 const F11: u32 = 0xffc8;
 
-/// Processor time of a process so far, in the kernel's ticks of 10 ms.
+/// CPU time of a process so far, in the kernel's ticks of 10 ms.
 #[cfg(target_os = "linux")]
 fn cpu_ticks(child: &Child) -> u64 {
     let stat = std::fs::read_to_string(format!("/proc/{}/stat", child.id())).unwrap();
@@ -154,7 +154,7 @@ fn settings_are_kept_for_the_next_window(painter: &str) {
     }
 }
 
-/// The picture of a window of 800 × 600 pixels, painted by `painter`, that shows points drawn by `renderer`.
+/// The image of a window of 800 × 600 pixels, painted by `painter`, that shows points drawn by `renderer`.
 fn screenshot(server: &Xvfb, home: &Path, [painter, renderer]: [&str; 2], arguments: &[&str]) -> RgbaImage {
     let file = home.join(format!("{renderer}.png"));
     let status = server
@@ -206,7 +206,7 @@ fn what_was_covered_is_shown_again(painter: &str) {
     screen.wait_for("the window stays without a picture", has_a_cloud);
     screen.wait_for_keyboard(screen.window());
     let before = screen.wait_for_rest_of_all("the paused window does not rest");
-    // Over the image and over the panel next to it; the server does not store what is covered.
+    // Over the image and over the panel next to it; the server does not store covered parts.
     screen.cover_for_a_moment([300, 150], [500, 300]);
     let begin = Instant::now();
     while screen.pixels() != before {
@@ -347,7 +347,7 @@ fn a_window_measures_itself(painter: &str) {
     }
 }
 
-/// What a picture asks of a graphics card does not depend on which one it is.
+/// The GPU work of an image does not depend on the GPU.
 #[test]
 fn an_image_and_its_panels_are_one_submission() {
     for row in measured_window(&["--present", "gpu", "--renderer", "gpu", "--frames", "72"]) {
@@ -402,7 +402,7 @@ impl Weston {
     }
 }
 
-/// On Wayland buffers are lent by turns, decorations are the program's own, and what is shown has to go before the
+/// On Wayland buffers are lent by turns, decorations are the program's own, and the surface must be dropped before the
 /// connection.
 fn a_window_on_wayland_shows_a_cloud_and_ends(painter: &str) {
     let weston = Weston::start();

@@ -1,4 +1,4 @@
-//! Pictures by the graphics library, for the benches that time them.
+//! Images by the graphics library, for the benches that time them.
 
 use pointreel::render::Renderer;
 use pointreel::render::gpu::GpuRenderer;

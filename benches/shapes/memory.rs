@@ -1,4 +1,4 @@
-//! The allocator of the program, counting what it gives.
+//! The allocator of the program, counting its allocations.
 
 use pointreel::memory::Allocator;
 use std::alloc::{GlobalAlloc, Layout};
@@ -53,7 +53,7 @@ pub(crate) fn peak_from_here() -> usize {
     held
 }
 
-/// Most bytes held since then.
+/// Maximum number of bytes held since then.
 #[allow(dead_code, reason = "not every bench counts memory")]
 pub(crate) fn peak() -> usize {
     PEAK_BYTES.load(Relaxed)

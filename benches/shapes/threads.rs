@@ -3,8 +3,7 @@
 use criterion::{BenchmarkGroup, BenchmarkId, measurement::WallTime};
 use rayon::ThreadPool;
 
-/// A pool of so many threads for each of `counts`, one after the other: what runs installed in it is shared out among
-/// them.
+/// A pool of this many threads for each of `counts`, one after the other: work installed in it is shared among them.
 #[allow(dead_code, reason = "most benches use the threads there are")]
 pub(crate) fn pools(counts: [usize; 2]) -> impl Iterator<Item = (usize, ThreadPool)> {
     counts.into_iter().map(|threads| {
@@ -16,7 +15,7 @@ pub(crate) fn pools(counts: [usize; 2]) -> impl Iterator<Item = (usize, ThreadPo
     })
 }
 
-/// Measures each of `functions` on so many threads as `counts` says, named by both.
+/// Measures each of `functions` on each number of threads in `counts`, named by both.
 #[allow(dead_code, reason = "most benches use the threads there are")]
 pub(crate) fn bench_on_threads(
     group: &mut BenchmarkGroup<'_, WallTime>,

@@ -1,4 +1,4 @@
-//! Any bytes as a Matroska file: its tracks, the first frames of each, and what is attached.
+//! Any bytes as a Matroska file: its tracks, the first frames of each, and its attachments.
 
 #![no_main]
 

@@ -1,5 +1,5 @@
-//! Any bytes as a capture of packets: its sensors are found, and the first turns of each read. Metadata of Ouster and a
-//! calibration of an HDL-64E lie beside it, so that their packets are reached too.
+//! Any bytes as a capture of packets: its sensors are found, and the first revolutions of each read. Metadata of Ouster
+//! and a calibration of an HDL-64E lie next to it, so that their packets are reached too.
 
 #![no_main]
 
@@ -7,7 +7,7 @@ use libfuzzer_sys::fuzz_target;
 use pointreel::io::{self, ReadOptions};
 use std::path::Path;
 
-/// Turns of a sensor that are read.
+/// Number of revolutions read per sensor.
 const READ: usize = 3;
 
 /// Sixteen beams, small packets.
@@ -27,7 +27,7 @@ fn calibration() -> String {
     format!("<boost_serialization><DB>{lasers}</DB></boost_serialization>")
 }
 
-/// Writes what lies beside captures, in a folder of their own.
+/// Writes the sidecar files of captures, in a folder of their own.
 fn folder() -> std::io::Result<std::path::PathBuf> {
     let memory = Path::new("/dev/shm");
     let folder = if memory.is_dir() { memory.to_owned() } else { std::env::temp_dir() };

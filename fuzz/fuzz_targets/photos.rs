@@ -1,5 +1,5 @@
-//! Any bytes as the files of a reconstruction with photographs: the first byte chooses the format, a line of `%%` parts
-//! one file from the next. A picture lies beside them, so that cameras are made and points seen.
+//! Any bytes as the files of a reconstruction with images: the first byte chooses the format, a line of `%%` parts
+//! one file from the next. An image lies next to them, so that cameras are made and points seen.
 
 #![no_main]
 
@@ -24,10 +24,10 @@ const FORMATS: [&[&str]; 11] = [
 
 const PART: &[u8] = b"\n%%\n";
 
-/// A picture of 8 × 6 pixels, grey.
+/// An image of 8 × 6 pixels, grey.
 const PICTURE: &[u8] = b"P5\n8 6\n255\n................................................";
 
-/// A folder of their own, with the picture.
+/// A folder of their own, with the image.
 fn folder() -> std::io::Result<PathBuf> {
     let folder = pointreel_fuzz::memory_folder().join(format!("pointreel-fuzz-photos-{}", std::process::id()));
     if !folder.is_dir() {
@@ -37,7 +37,7 @@ fn folder() -> std::io::Result<PathBuf> {
     Ok(folder)
 }
 
-/// The bytes of as many files.
+/// The bytes of that many files.
 fn parts(mut bytes: &[u8], count: usize) -> Vec<&[u8]> {
     let mut parts = Vec::new();
     while parts.len() + 1 < count {
@@ -59,7 +59,7 @@ fn read(folder: &Path) {
     let Ok(set) = found.read() else {
         return;
     };
-    // Where no photograph can be shown, the points still are.
+    // Where no image can be shown, the points still are.
     assert!(!set.photos.is_empty() || !set.points.is_empty() || set.points_file.is_some());
     let count = set.photos.len() as u32;
     assert!((0..set.points.len()).all(|point| set.points.track(point).iter().all(|seen| seen.photo < count)));

@@ -7,7 +7,7 @@ use libfuzzer_sys::fuzz_target;
 use pointreel::fuzzing::unpacked_size_px;
 use pointreel::wire::{Content, Frame, FrameHead, Kind, Message, StreamHead, View, read_message};
 
-/// Bytes that a payload, and what is unpacked of it, may take.
+/// Bytes that a payload, and its unpacked contents, may take.
 const MAX_BYTES: u64 = 1 << 26;
 
 fn take(mut stream: &[u8]) {

@@ -1,5 +1,5 @@
-// What the passes over records have accumulated at a pixel: the blended surface, which is lit and for which the input
-// images are sampled.
+// The sums of the passes over records at a pixel: the blended surface, which is lit and for which the input images are
+// sampled.
 
 #import common/view.wgsl
 

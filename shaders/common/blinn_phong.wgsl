@@ -3,7 +3,7 @@
 #import effects/shadow.wgsl
 #import generated/constants
 
-// Linear light: the factor on the colour, and what is added to it.
+// Linear light: the factor on the colour, and the summand.
 struct Light {
     diffuse: vec3f,
     specular: vec3f,

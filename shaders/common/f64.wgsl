@@ -1,5 +1,4 @@
-// Double-precision floats (IEEE 754) emulated with integers: bit for bit what a CPU computes, on adapters without
-// doubles.
+// Double-precision floats (IEEE 754) emulated with integers: bit for bit as on a CPU, on adapters without doubles.
 //
 // A number is two words, the lower one in x. Sums, products, quotients and roots are rounded to nearest, ties to even.
 // Zero is supported; subnormal numbers, infinities and NaN are not.

@@ -1,4 +1,4 @@
-// The image samples of each pixel (`passes/photo_answers.wgsl`), where what no image shows is filled in from the
+// The image samples of each pixel (`passes/photo_answers.wgsl`), with pixels that no image shows filled in from the
 // surroundings (`passes/push.wgsl`).
 
 #import common/blended_surface.wgsl

@@ -2,11 +2,11 @@
 
 #import generated/constants
 
-// Row 0 of `photo_table`: number of images, how many are blended, 1/σ², and PHOTO_* flags, which say how what no image
-// shows is drawn. The first component of its next texel: the width of the gaps that are closed, in pixels. Then one row
-// per image.
+// Row 0 of `photo_table`: number of images, how many are blended, 1/σ², and PHOTO_* flags, which set how surfaces that
+// no image shows are drawn. The first component of its next texel: the width of the gaps that are closed, in pixels.
+// Then one row per image.
 
-// What the images show at a position.
+// The images' result at a position.
 struct PhotoAnswer {
     // Display-referred; blended from the images alone.
     color: vec3f,

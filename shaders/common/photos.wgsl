@@ -38,14 +38,14 @@ fn in_photo(photo: u32, place: vec3f, to_eye: vec3f, normal: vec3f) -> InPhoto {
     return InPhoto(texel, distance, select(PHOTO_NOT_LOOKING, cosine, looks), facing);
 }
 
-// What an image shows at the projection of a position: 0 that position, 1 something that occludes it, 2 something
+// Content of an image at the projection of a position: 0 that position, 1 something that occludes it, 2 something
 // behind it, 3 that position near a depth discontinuity.
 fn seen_there(photo: u32, at: InPhoto) -> u32 {
     let size = photo_entry(photo, 5u).xy;
     let map = photo_entry(photo, 7u);
     let texel = min(vec2u(at.texel / size * map.xy), vec2u(map.xy) - 1u);
     let there = textureLoad(photo_depths, texel, photo, 0).r;
-    // Without a depth nothing is known.
+    // Without a depth the relation is unknown.
     if (there == 0.0) {
         return 0u;
     }
@@ -177,7 +177,7 @@ fn photo_per_px(photo: u32, at: InPhoto, steps: mat2x3f) -> mat2x2f {
     return per_px;
 }
 
-// How much an image shows of a surface compared with what the eye sees of it.
+// Fraction of a surface that an image shows, relative to the eye's view of it.
 fn share_seen(facing_eye: f32, facing: f32) -> f32 {
     let share = select(1.0, min(facing / max(facing_eye, PHOTO_MIN_COSINE), 1.0), facing_eye > 0.0);
     return share * share;
@@ -238,7 +238,7 @@ fn depth_normal(map: DepthMap, texel: vec2i) -> vec3f {
     return select(normal * sign(facing), vec3f(0.0), abs(facing) < PHOTO_MIN_FACING);
 }
 
-// The normal of what an image shows, in view space, interpolated between the four texels of its depth map around a
+// The normal of the surface in an image, in view space, interpolated between the four texels of its depth map around a
 // position; zero where depths do not determine it.
 fn photo_normal(photo: u32, texel: vec2f) -> vec3f {
     let of_map = photo_entry(photo, 7u);
@@ -259,7 +259,7 @@ fn photo_normal(photo: u32, texel: vec2f) -> vec3f {
     return rows * (sum / sqrt(max(dot(sum, sum), 1e-37)));
 }
 
-// What one image shows at a position.
+// The result of one image at a position.
 struct PhotoShown {
     color: vec3f,
     // Its weight relative to the others.
@@ -323,7 +323,7 @@ fn photo_answer(blended: BlendedSurface, pixel: vec2u) -> PhotoAnswer {
         nearest[slot] = photo;
         count = min(count + 1u, PHOTO_MAX_ASKED);
     }
-    // The images that see the position, one more than is blended: weights are relative to that of the last.
+    // The images that see the position, one more than is blended: weights are relative to the last one's.
     var seeing: array<u32, PHOTO_MAX_BLENDED + 1u>;
     var weights: array<f32, PHOTO_MAX_BLENDED + 1u>;
     var angles2: array<f32, PHOTO_MAX_BLENDED + 1u>;

@@ -38,7 +38,7 @@ fn in_environment(direction: vec3f) -> vec3f {
         + parts.physical.environment_from_view_z.xyz * direction.z;
 }
 
-// What a matt white surface with this normal reflects of the environment.
+// The environment's light reflected by a matt white surface with this normal.
 fn harmonics_at(n: vec3f) -> vec3f {
     let c = parts.physical.harmonics;
     let light = c[0] + c[1] * n.y + c[2] * n.z + c[3] * n.x + c[4] * (n.x * n.y) + c[5] * (n.y * n.z)
@@ -46,7 +46,7 @@ fn harmonics_at(n: vec3f) -> vec3f {
     return max(light.rgb, vec3f(0.0));
 }
 
-// What is reflected from a direction: bilinear between the centres of four texels of the unfolded octahedron.
+// The light reflected from a direction: bilinear between the centres of four texels of the unfolded octahedron.
 fn environment_at(direction: vec3f) -> vec3f {
     let on_octahedron = direction / max(dot(abs(direction), vec3f(1.0)), 1e-37);
     let above = on_octahedron.xz;

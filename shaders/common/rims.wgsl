@@ -73,7 +73,7 @@ fn behind_rim(pixel: vec2i) -> vec4f {
     return found;
 }
 
-// The colour of a pixel, composited over what lies behind its soft edge, if there is one.
+// The colour of a pixel, composited over the surface behind its soft edge, if it has one.
 fn over_rim(pixel: vec2i) -> vec4f {
     let opacity = opacity_at(pixel);
     let behind = behind_rim(pixel);

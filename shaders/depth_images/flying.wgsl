@@ -1,4 +1,4 @@
-// Removes flying pixels, those between a surface and what is behind it. Twin of rgbd/filters/flying.rs.
+// Removes flying pixels, those between a surface and its background. Twin of rgbd/filters/flying.rs.
 
 #import depth_images/image.wgsl
 

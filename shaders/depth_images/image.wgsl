@@ -1,10 +1,10 @@
 // Filters of depth images, and the points of their pixels. Twin of rgbd/filters and rgbd/cloud.rs, whose files have the
 // same names as these and give the reasons.
 //
-// Passes in order: `near` converts the raw values of a camera into metres and drops what is too near or too far,
-// `median`, `bilateral`, `flying` and `erode` read one image and write another, `mean_over_time` updates the running
-// image of the preceding frames, and `reproject` makes a point of every pixel. Depths are in metres, 0 where nothing
-// was measured; there are no infinities or NaNs.
+// Passes in order: `near` converts the raw values of a camera into metres and drops pixels that are too near or too
+// far, `median`, `bilateral`, `flying` and `erode` read one image and write another, `mean_over_time` updates the
+// running image of the preceding frames, and `reproject` makes a point of every pixel. Depths are in metres, 0 where
+// nothing was measured; there are no infinities or NaNs.
 
 #import common/records.wgsl
 #import generated/bindings

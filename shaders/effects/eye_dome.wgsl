@@ -1,10 +1,10 @@
-// Eye-dome lighting (Boucheny 2009): darkens what lies behind its neighbours. Multiplies the drawn colours, or their
+// Eye-dome lighting (Boucheny 2009): darkens pixels behind their neighbours. Multiplies the drawn colours, or their
 // sums, before the background is composited behind them. The formula: scene/effects/eye_dome.rs.
 
 #import common/fullscreen.wgsl
 #import common/view.wgsl
 
-// x: what a neighbour in front of the pixel adds; y: 1 where there is nothing.
+// x: contribution of a neighbour in front of the pixel; y: 1 if it is empty.
 fn neighbour(pixel: vec2i, offset: vec2i, per_depth: f32, gain: f32) -> vec2f {
     let last = vec2i(view.viewport_px) - 1;
     let depth = textureLoad(depths, clamp(pixel + offset, vec2i(0), last), 0);

@@ -1,4 +1,4 @@
-// The grid on the ground, occluded by what is in front of it. The plane and its lines: scene/view/ground.rs.
+// The grid on the ground, occluded by surfaces in front of it. The plane and its lines: scene/view/ground.rs.
 
 #import common/fullscreen.wgsl
 #import common/view.wgsl

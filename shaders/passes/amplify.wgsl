@@ -1,9 +1,9 @@
 // Strategy `compute`: potentially visible records become corners, in the order of the cloud, and one draw call for
 // them.
 //
-// Three dispatches: `count` counts what each workgroup retains, `scan` turns the counts into offsets and writes the
-// indirect draw, `emit` writes the corners. The order is that of the records, so blending gives the same result as with
-// the other strategies.
+// Three dispatches: `count` counts the records that each workgroup retains, `scan` turns the counts into offsets and
+// writes the indirect draw, `emit` writes the corners. The order is that of the records, so blending gives the same
+// result as with the other strategies.
 
 #import common/quads.wgsl
 #import common/scan.wgsl

@@ -1,4 +1,4 @@
-// Attribute pass: sums colour times weight, and weight, of what lies on the visible surface. Additive blending, no
+// Attribute pass: sums colour times weight, and weight, of fragments on the visible surface. Additive blending, no
 // depth write.
 
 #import common/fragments.wgsl

@@ -1,4 +1,4 @@
-// Gathers the candidates of a sequential point tree and marks those that are not drawn in a view. The rule is that of
+// Gathers the candidates of a sequential point tree and marks those that are not drawn in a view. The rule is in
 // levels/spheres/rule.rs. It is evaluated in single precision with an error bound, and where that is inconclusive, in
 // emulated double precision, so that GPU and CPU select the same nodes (Shewchuk 1997).
 

@@ -1,5 +1,5 @@
-// Resolve: divides the summed colours by the summed weights and composites the result over the background, or over what
-// lies behind a soft edge.
+// Resolve: divides the summed colours by the summed weights and composites the result over the background, or over the
+// surface behind a soft edge.
 
 #import common/fullscreen.wgsl
 #import common/rims.wgsl

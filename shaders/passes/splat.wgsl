@@ -1,5 +1,5 @@
 // One-pass splatting, Fig. 3 (a) and (b): the mask is the opacity. Corners of quads on surfaces are not discarded, so
-// with depth writes on they hide what is behind them: the square artefacts shown in the paper.
+// with depth writes on they hide surfaces behind them: the square artefacts shown in the paper.
 
 #import common/fragments.wgsl
 

@@ -26,8 +26,8 @@ fn splat_of(n: vec3f, shape: ShapeRecord, center: vec3f) -> Splat {
     return splat;
 }
 
-// ε-z: what the reversed depths of a splat are divided by. Only depths move away along the ray, the footprint stays
-// (with one factor per surfel it stays planar).
+// ε-z: the divisor of the reversed depths of a splat. Only depths move away along the ray, the footprint stays (with
+// one factor per surfel it stays planar).
 fn slack_of(splat: Splat, center: vec3f) -> f32 {
     let length_of_px = -rotate_to_view(center).z / view.px_per_slope.x;
     let slack = view.depth_slack * splat.scale + view.depth_slack_px * length_of_px;

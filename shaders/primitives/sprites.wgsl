@@ -62,8 +62,8 @@ fn center_of(seen: Patch) -> vec3f {
     return vec3f((0.5 + vec2f(0.5, -0.5) * ndc) * view.viewport_px, seen.near / -seen.c.z);
 }
 
-// A corner of the square at the nearest depth of the disk: no fragment is nearer, so that what lies behind other splats
-// is rejected before it is shaded.
+// A corner of the square at the nearest depth of the disk: no fragment is nearer, so that sprites behind other splats
+// are rejected before shading.
 fn sprite_corner(seen: Patch, facet: Facet, slack: f32, corner: vec2f) -> vec4f {
     let outline = outline_of(seen);
     let is_culled = view.back_faces == BACK_FACES_CULLED && faces_away(seen);

@@ -1,4 +1,4 @@
-// Screen-space surfels: what an image shows of a cloud, and the surface around each of those points. Twin of
+// Screen-space surfels: the visible points of a cloud in an image, and the surface around each of those points. Twin of
 // analysis/screen, whose files have the same names as these and give the reasons.
 //
 // Passes in order: `draw` and `frame` make the depth image, `cull` and `scan` determine which points it shows,

@@ -18,7 +18,7 @@ fn agrees(pixel: vec2u, label: u32) -> bool {
     return abs(i32(of_partner) - i32(label)) <= 1;
 }
 
-// Whether the census window has no contrast.
+// True if the census window has no contrast.
 fn is_even(pixel: vec2u) -> bool {
     let reach = vec2i(CENSUS_HALF_WIDTH, CENSUS_HALF_HEIGHT);
     let first = max(vec2i(pixel) - reach, vec2i(0));

@@ -9,7 +9,7 @@ var<workgroup> path: array<u32, STEREO_PATH_VALUES>;
 // The minima of three pixels, in rotation: the previous one, the current one, and the one being prepared for the next.
 var<workgroup> min_value: array<atomic<u32>, 3>;
 
-// Where a path begins and how many pixels it has. Horizontal and vertical paths are as many as rows and columns;
+// Start of a path and its number of pixels. There is one horizontal path per row and one vertical path per column;
 // diagonal ones start at each pixel of two borders.
 fn begin_of_path(number: i32) -> vec3i {
     let size = vec2i(matching.size_px);

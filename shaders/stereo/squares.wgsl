@@ -1,6 +1,5 @@
 // Costs summed over squares: over columns first, then over the sums of columns, each as a running sum that adds one
-// value and subtracts another per pixel. Costs outside the image repeat those of the border. Twin of
-// stereo/matching/local.rs.
+// value and subtracts another per pixel. Costs outside the image repeat the border's. Twin of stereo/matching/local.rs.
 
 #import stereo/pair.wgsl
 

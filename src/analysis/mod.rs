@@ -35,7 +35,7 @@ use surface::blocks::SlotSurface;
 use surface::normals::SlotPlanes;
 use surface::steps::{NEIGHBOURS_STEPS, OUTWARDS_STEPS, PLANES_STEPS, RADII_STEPS, REPRESENTATIVES_STEPS, TREE_STEPS};
 
-/// By what the signs of normals were decided.
+/// Method by which the signs of normals were decided.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Orientation {
     /// They are as the file has them.
@@ -53,9 +53,9 @@ pub enum Orientation {
 /// The surface around each point, in the order of the points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surface {
-    /// Unit normals, oriented as [`Surface::orientation`] says.
+    /// Unit normals, oriented by [`Surface::orientation`].
     pub normals: Vec<Vec3>,
-    /// By what the signs of the normals were decided.
+    /// Method by which the signs of the normals were decided.
     pub orientation: Orientation,
     /// Splat radii in scene units; positive and finite.
     pub radii: Vec<f32>,
@@ -82,10 +82,9 @@ pub struct Planes {
 pub struct NormalBasis {
     /// Neighbours of each point that were searched for.
     pub neighbours: usize,
-    /// Standard deviation of the noise in point spacings; 0 if nobody asked.
+    /// Standard deviation of the noise in point spacings; 0 if not measured.
     pub noise: f32,
-    /// True if neighbourhoods were widened by those of their neighbours, to points that count as
-    /// [`WIDENED_NEIGHBOURS`] do.
+    /// True if neighbourhoods were merged with their neighbours' and are as good as [`WIDENED_NEIGHBOURS`] points.
     pub is_widened: bool,
 }
 
@@ -176,7 +175,7 @@ pub struct Smoothed {
 }
 
 impl Smoothed {
-    /// Says how far points were moved, for people.
+    /// Reports in words how far points were moved.
     pub fn told(&self, radius_spacings: f32) -> String {
         let count = self.positions.len();
         format!(
@@ -235,7 +234,7 @@ pub const MAX_JOINED: usize = 1 << 21;
 /// Normals point to `sensor` if it is given; else they are made consistent over the neighbourhood graph, and each
 /// connected component faces outwards: of all points up to [`MAX_JOINED`], beyond it of representatives. Positions
 /// must be finite. Any number of points is valid: a point without a surface around it (fewer than three distinct points
-/// nearby, or all in a line) gets a normal across what there is, and +Z where there is nothing.
+/// nearby, or all in a line) gets a normal perpendicular to those, or +Z if there are none.
 ///
 /// Takes at most some 70 bytes per point in addition to the positions and the result; 130 where all points are joined,
 /// and 100 more where neighbourhoods are widened.
@@ -255,8 +254,8 @@ pub fn estimate_surface_observed(
     surface_oriented_by(orientation, positions, sensor, options, progress)
 }
 
-/// [`estimate_surface`] for a picture that is soon replaced: without a sensor, points agree with representatives
-/// however few they are.
+/// [`estimate_surface`] for an image that is soon replaced: without a sensor, points agree with representatives however
+/// few they are.
 pub(crate) fn estimate_surface_fast(positions: &[Vec3], sensor: Option<Vec3>, options: SurfaceOptions) -> Surface {
     let orientation = orientation_of(usize::MAX, sensor);
     surface_oriented_by(orientation, positions, sensor, options, &Progress::default())
@@ -301,7 +300,7 @@ fn surface_of_distinct(
     })
 }
 
-/// By what the signs of so many estimated normals are decided.
+/// Method that decides the signs of this many estimated normals.
 fn orientation_of(points: usize, sensor: Option<Vec3>) -> Orientation {
     match sensor {
         Some(_) => Orientation::Sensor,

@@ -21,7 +21,7 @@ pub struct NormalErrors {
     pub below_1_deg: f64,
     /// Share of larger ones of at most 22.5 degrees.
     pub below_22_5_deg: f64,
-    /// Share of what is larger.
+    /// Share of larger errors.
     pub above_22_5_deg: f64,
     /// Their mean, degrees.
     pub mean_deg: f64,
@@ -33,8 +33,8 @@ impl NormalErrors {
     /// The colours of no error, of one of 22.5 degrees, and of larger ones: red, green, blue, alpha.
     pub const COLORS: [[u8; 4]; 3] = [[38, 84, 235, 255], [64, 190, 84, 255], [222, 45, 38, 255]];
 
-    /// Errors of the normals of `shapes`, and their colours; `truth` has those of all points, and `slots` where each is
-    /// among them. Signs do not count: which side is the outer one is decided otherwise.
+    /// Errors of the normals of `shapes`, and their colours; `truth` has the shapes of all points, and `slots` the
+    /// index of each in it. Signs do not count: the outer side is decided elsewhere.
     pub fn of(shapes: &[ShapeRecord], truth: &[ShapeRecord], slots: &[u32]) -> (Self, Vec<[u8; 4]>) {
         let pairs = shapes.par_iter().zip(slots).with_min_len(POINTS_PER_TASK);
         let errors = pairs.map(|(shape, &slot)| {

@@ -73,7 +73,8 @@ fn neighbours_with_outliers_and_at_extreme_scales() {
         let scaled: Vec<Vec3> = cloud.iter().map(|&p| p * scale).collect();
         check_neighbours(&scaled, 12);
     }
-    // Above the square root of f32::MAX plain squared distances are infinite; the result is that of the unscaled cloud.
+    // Above the square root of f32::MAX plain squared distances are infinite; the result is the same as for the
+    // unscaled cloud.
     let huge = 2f32.powi(120);
     let scaled: Vec<Vec3> = cloud.iter().map(|&p| p * huge).collect();
     assert_eq!(nearest_neighbours(&scaled, 12), nearest_neighbours(&cloud, 12));

@@ -5,7 +5,7 @@ use crate::scene::describe::Word;
 use crate::scene::{coloring, field_title};
 use crate::sequence::{ColorSource, FieldName, plain_field_name};
 
-/// Fields that the list has room for.
+/// Max number of fields in the list.
 const MAX_FIELDS: usize = 64;
 
 /// Why a frame cannot be coloured so, if it cannot.
@@ -62,7 +62,7 @@ pub(in crate::app) fn fields(frame: Option<&Frame>) -> Vec<(String, FieldName)> 
     let mut named: Vec<(String, FieldName)> = fields
         .map(|field| (field_title(&field.name), FieldName::new(&field.name)))
         .collect();
-    // Identical titles are disambiguated by what they were derived from.
+    // Identical titles are disambiguated by their origins.
     let is_twice = |title: &str, all: &[(String, FieldName)]| {
         let is_taken = |word: &Word| word.title == title && word.word != "scalar";
         let of_sources = coloring::SOURCES.list.iter().any(is_taken);

@@ -11,7 +11,7 @@ pub(in crate::app) struct SequenceLook {
     pub(in crate::app) look: Option<Arc<FirstLook>>,
     /// First look without the user's choice of the up axis.
     pub(in crate::app) guessed: Option<Arc<FirstLook>>,
-    /// The frame that was looked at first: its index and its content, as `PreparedFrame::id`.
+    /// The first examined frame: its index and its content, as `PreparedFrame::id`.
     pub(in crate::app) first: Option<(usize, u64)>,
     /// The file of that frame has changed since, as it was half-written.
     pub(in crate::app) is_outdated: bool,
@@ -21,13 +21,13 @@ pub(in crate::app) struct SequenceLook {
     pub(in crate::app) view: Option<FirstView>,
 }
 
-/// A view that nobody has chosen.
+/// An automatic view, not chosen by the user.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::app) struct FirstView {
     pub(in crate::app) camera: Camera,
     /// Size of the image that it fills.
     pub(in crate::app) size_px: [u32; 2],
-    /// Bounding box of what it shows alongside the open sequence.
+    /// Bounding box of the sequence alongside the open one.
     pub(in crate::app) second_bounds: Aabb,
 }
 

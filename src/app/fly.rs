@@ -14,10 +14,10 @@ const DIRECTIONS: [(Key, DVec3); 6] = [
     (Key::E, DVec3::Y),
 ];
 
-/// Distances to the target flown in a second.
+/// Flying speed, in distances to the target per second.
 const SPEED_DISTANCES_PER_SEC: f64 = 0.7;
 
-/// Shift makes it this many times faster, Ctrl as many times slower.
+/// Factor by which Shift is faster, and Ctrl slower.
 const BOOST: f64 = 4.0;
 
 /// After a pause in drawing the camera does not jump farther than in this time.

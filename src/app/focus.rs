@@ -1,15 +1,14 @@
-//! The keyboard where nobody hands it out.
+//! Keyboard focus where no window manager assigns it.
 //!
-//! Under X11 it is the window manager that gives a new window the keyboard. On a bare server (a kiosk, a virtual
-//! screen, `xinit` with a single program) there is none, and asking for the keyboard by way of one, as
-//! `Window::focus_window` does, asks nobody. Such a window takes the keyboard itself, once, when it has come onto the
-//! screen. A window manager is whoever has the right to redirect the root window's children, which the server grants
-//! once; where there is one, nothing is done.
+//! Under X11 the window manager gives a new window the keyboard focus. On a bare server (a kiosk, a virtual screen,
+//! `xinit` with a single program) there is none, and requests through it, as `Window::focus_window` makes, have no
+//! effect. Such a window takes the focus itself, once, when it has come onto the screen. A window manager is the client
+//! with the right to redirect the root window's children, which the server grants once; where there is one, this does
+//! nothing.
 
 use winit::window::Window;
 
-/// Gives the keyboard to `window` where no window manager does. Failing is no problem of the program's: it is in the
-/// log.
+/// Gives the keyboard focus to `window` where no window manager does. Failures are only logged.
 #[cfg(all(unix, not(target_os = "macos")))]
 pub(super) fn take_if_unmanaged(window: &Window) {
     use winit::raw_window_handle::{HasWindowHandle as _, RawWindowHandle};
@@ -35,7 +34,7 @@ mod x11 {
     use x11rb::connection::Connection as _;
     use x11rb::protocol::xproto::{ConnectionExt as _, EventMask, InputFocus, MapState, Window};
 
-    /// Looks and acts on a connection of its own to the display that the window is on. True if it took the keyboard.
+    /// Checks and acts on its own connection to the window's display. True if it took the keyboard focus.
     pub(super) fn take_if_unmanaged(window: Window) -> Result<bool, Box<dyn std::error::Error>> {
         let (connection, screen) = x11rb::connect(None)?;
         let root = connection.setup().roots[screen].root;

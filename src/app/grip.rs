@@ -8,7 +8,7 @@
 
 use egui::{Event, Modifiers, PointerButton, Pos2, Vec2};
 
-/// A button held down on the picture.
+/// A button held down on the image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Grip {
     button: PointerButton,
@@ -33,8 +33,8 @@ impl Grip {
     /// A click may move as far as this, points: as egui has it.
     const SLACK: f32 = 6.0;
 
-    /// Follows `events`, the latest of which left `modifiers`. `is_on_picture` says whether a button that goes down at
-    /// a place takes hold of the picture. Returns what was dragged, in order.
+    /// Follows `events`, the latest of which left `modifiers`. `is_on_picture` is true where a button press grabs the
+    /// image. Returns the drags, in order.
     pub(super) fn follow(
         grip: &mut Option<Self>,
         events: &[Event],
@@ -124,8 +124,7 @@ mod tests {
     }
 
     proptest! {
-        /// Wherever passes cut the events, the picture is dragged from where the button went down to where it was let
-        /// go.
+        /// However events are split into passes, the image is dragged from the press to the release of the button.
         #[test]
         fn no_part_of_a_drag_is_lost(
             path in prop::collection::vec((0f32..500.0, 0f32..500.0), 0..12),

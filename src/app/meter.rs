@@ -28,10 +28,9 @@ pub struct Redraw {
 pub struct GpuWork {
     /// Submissions to its queue.
     pub submissions: u64,
-    /// Passes, those of the pictures and that of the window.
+    /// Render passes of the images and the window.
     pub passes: u64,
-    /// Bytes of points, voxels, pictures and panels that were uploaded; without the few hundred that say how a picture
-    /// is seen.
+    /// Bytes of points, voxels, images and panels that were uploaded; without the few hundred of uniforms per image.
     pub uploaded_bytes: u64,
 }
 

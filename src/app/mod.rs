@@ -1,16 +1,16 @@
 //! The window: a player for sequences, on winit and egui.
 //!
 //! **How it works.** [`State`] is plain data and knows neither a window nor a GPU: the open sequence with its playhead
-//! ([`crate::playback::Player`]), camera, settings, notices, and the features that it is composed of (`features`).
-//! `State::update` moves the playhead and says whether something can be seen to have changed. Only then does the window
-//! run the panels and, if the [`crate::scene::ScenePacket`] differs from the last one, draw a new 3-D picture into a
-//! texture that the central panel shows.
+//! ([`crate::playback::Player`]), camera, settings, notices, and its features (`features`). `State::update` moves the
+//! playhead and reports visible changes. Only then does the window run the panels and, if the
+//! [`crate::scene::ScenePacket`] differs from the last one, draw a new 3-D image into a texture that the central panel
+//! shows.
 //!
-//! A feature is a folder and a row of one table (`features/table.rs`), which says what the window does with each. Its
-//! panels take what they draw and return what they ask for; `in_window.rs` gives them their part of the state and
-//! carries that out. Keys, menus, the list of commands and scripts call one table of commands (`commands`). Whatever
-//! takes long (dialogs, finding files, writing images, benchmarks) runs on a named thread ([`Tasks`]) and comes back
-//! through a bounded channel as an [`Outcome`], which the feature takes that knows the type of its message.
+//! A feature is a folder and a row of one table (`features/table.rs`), which connects each to the window. Its panels
+//! take the data that they draw and return requests; `in_window.rs` gives them their part of the state and executes the
+//! requests. Keys, menus, the list of commands and scripts call one table of commands (`commands`). Long operations
+//! (dialogs, finding files, writing images, benchmarks) run on named threads ([`Tasks`]); their results come back
+//! through a bounded channel as an [`Outcome`], taken by the feature that knows its type.
 //!
 //! **Idle.** The event loop sleeps until an event, a loader's or task's wake, or the clock's next deadline. A paused,
 //! untouched window has none of these: it draws nothing, traverses nothing, uploads nothing. [`Counters`] prove it.

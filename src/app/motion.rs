@@ -12,9 +12,9 @@ pub struct CameraMotion {
     pub fly: Fly,
     /// The camera on a turntable.
     pub turntable: Turntable,
-    /// On its way to another view.
+    /// The transition to another view.
     pub(super) glide: Option<Glide>,
-    /// The picture in the hand.
+    /// The grabbed image.
     pub(super) grip: Option<Grip>,
 }
 
@@ -24,7 +24,7 @@ const GLIDE_TIME: Duration = Duration::from_millis(250);
 /// After a pause in drawing a turntable does not jump farther than in this time.
 const MAX_STEP: Duration = Duration::from_millis(100);
 
-/// On its way to another view. Whoever moves the camera meanwhile ends it.
+/// A transition to another view. Moving the camera ends it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Glide {
     from: Camera,
@@ -44,7 +44,7 @@ impl Glide {
         }
     }
 
-    /// Moves `camera` to where it is at `now`; false once there is nothing left to do.
+    /// Moves `camera` to its position at `now`; false once the transition is over.
     pub(super) fn step(&mut self, camera: &mut Camera, now: Duration) -> bool {
         if *camera != self.last {
             return false;
@@ -73,7 +73,7 @@ impl Glide {
 pub struct Turntable {
     /// True if the turntable is turning.
     pub is_on: bool,
-    /// Pace, degrees a second; negative the other way.
+    /// Speed, degrees per second; negative in the other direction.
     pub deg_per_sec: f64,
     /// The time of the last step.
     last: Option<Duration>,
@@ -90,10 +90,10 @@ impl Default for Turntable {
 }
 
 impl Turntable {
-    /// Paces that the window offers, degrees a second.
+    /// Speeds that the window offers, degrees per second.
     pub const PACES: std::ops::RangeInclusive<f64> = -180.0..=180.0;
 
-    /// Turns `camera` on to `now`; true if it moved.
+    /// Rotates `camera` on to `now`; true if it moved.
     pub(super) fn step(&mut self, camera: &mut Camera, now: Duration) -> bool {
         let last = std::mem::replace(&mut self.last, self.is_on.then_some(now));
         let Some(last) = last.filter(|_| self.is_on) else {

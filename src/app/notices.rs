@@ -1,5 +1,5 @@
-//! Messages to the person: shown until dismissed, the same one only once, warnings and errors of one kind together.
-//! What merely confirms goes by itself.
+//! Messages to the user: shown until dismissed, the same one only once, warnings and errors of one kind together.
+//! Confirmations disappear by themselves.
 
 use crate::messages::kind_of;
 
@@ -10,11 +10,11 @@ use std::time::Duration;
 pub enum Severity {
     /// Something was done.
     Info,
-    /// Hint on what to do for the requested action.
+    /// Hint on a prerequisite of the requested action.
     Hint,
-    /// Something was not as expected; the program goes on.
+    /// Something was not as expected; the program continues.
     Warning,
-    /// Something that was asked for did not happen.
+    /// A requested action failed.
     Error,
 }
 
@@ -40,7 +40,7 @@ pub struct Notice {
     pub others: Vec<String>,
     /// Text without numbers and file names, which identifies its kind.
     kind: String,
-    /// When it goes by itself.
+    /// Time at which it disappears.
     until: Option<Duration>,
 }
 
@@ -54,10 +54,10 @@ pub struct Notices {
 /// Display time of a confirmation or a hint.
 const INFO_TIME: Duration = Duration::from_secs(6);
 
-/// More than these hide the picture: the oldest go.
+/// Max number of notices, so that they do not hide the image: the oldest are dropped.
 const MAX_NOTICES: usize = 6;
 
-/// More of one kind than anybody reads; they are not kept.
+/// Max stored number of one kind; nobody reads more.
 const MAX_OTHERS: usize = 1000;
 
 impl Notices {
@@ -108,22 +108,22 @@ impl Notices {
         self.next_id += 1;
     }
 
-    /// [`Notices::post`] for what was done.
+    /// [`Notices::post`] for completed actions.
     pub fn info(&mut self, text: impl Into<String>) {
         self.post(Severity::Info, text);
     }
 
-    /// [`Notices::post`] for what has to be done first.
+    /// [`Notices::post`] for prerequisites.
     pub fn hint(&mut self, text: impl Into<String>) {
         self.post(Severity::Hint, text);
     }
 
-    /// [`Notices::post`] for what is odd.
+    /// [`Notices::post`] for warnings.
     pub fn warn(&mut self, text: impl Into<String>) {
         self.post(Severity::Warning, text);
     }
 
-    /// [`Notices::post`] for what failed.
+    /// [`Notices::post`] for failures.
     pub fn error(&mut self, text: impl Into<String>) {
         self.post(Severity::Error, text);
     }
@@ -138,7 +138,7 @@ impl Notices {
         self.dismiss_where(|other| other == text);
     }
 
-    /// Forgets messages that begin with `begin` and go on with a number and `next`: they are true no longer.
+    /// Forgets messages that begin with `begin`, followed by a number and `next`: they are no longer true.
     pub(in crate::app) fn dismiss_begun(&mut self, begin: &str, next: &str) {
         self.dismiss_where(|text| {
             let rest = text.strip_prefix(begin);

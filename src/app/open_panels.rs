@@ -5,7 +5,7 @@ use egui::{Context, Id};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
-/// A panel or window that a person opens and closes, by its name.
+/// A panel or window that a user opens and closes, by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct PanelId(&'static str);
 
@@ -26,7 +26,7 @@ impl PanelId {
     pub const EXPORT: Self = Self("export");
     /// About panel: the program, and where it runs.
     pub const ABOUT: Self = Self("about");
-    /// As what the sequence is saved.
+    /// Settings for saving the sequence.
     pub const SAVE: Self = Self("save");
 
     /// Its name.
@@ -34,7 +34,7 @@ impl PanelId {
         self.0
     }
 
-    /// A panel that nobody but its row names.
+    /// A panel that only its row names.
     pub const fn new(name: &'static str) -> Self {
         Self(name)
     }
@@ -44,7 +44,7 @@ impl PanelId {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct OpenPanels {
     open: BTreeSet<PanelId>,
-    /// Those that lay over the picture in the last pass, the topmost last.
+    /// Windows over the image in the last pass, the topmost last.
     windows: Vec<PanelId>,
 }
 

@@ -12,7 +12,7 @@ pub(super) struct Sight {
 }
 
 impl Sight {
-    /// True while nobody can see the window.
+    /// True while the window is not visible.
     pub(super) fn is_hidden(self) -> bool {
         self.is_occluded || self.has_no_area
     }
@@ -28,9 +28,9 @@ impl Sight {
 pub(super) struct Agenda {
     /// Something that can be seen has changed.
     pub(super) is_changed: bool,
-    /// When the picture or a panel has to be drawn next.
+    /// Time at which the image or a panel has to be drawn next.
     pub(super) draw_at: Option<Duration>,
-    /// The screen is not ready for another picture before.
+    /// Time before which the screen is not ready for another image.
     pub(super) not_before: Duration,
     /// When something is to be done that is not seen.
     pub(super) unseen_at: Option<Duration>,
@@ -113,7 +113,7 @@ mod tests {
         }
         let later = agenda(false, Some(at(9))).pace(at(5));
         assert_eq!((later.redraw, later.wake_at), (false, Some(at(9))));
-        // With nothing to draw there is nothing to wait for.
+        // With nothing to draw, there is no wait.
         assert_eq!(agenda(false, None).pace(at(5)).wake_at, None);
     }
 

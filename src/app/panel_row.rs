@@ -7,7 +7,7 @@ use std::ops::RangeInclusive;
 /// A panel of the window whose state is `S`.
 #[derive(Debug)]
 pub(in crate::app) struct PanelRow<S> {
-    /// By what a person opens and closes it; `None` of one that comes and goes with what it is about.
+    /// Id by which a user opens and closes it; `None` for one that appears with its subject.
     pub(in crate::app) id: Option<PanelId>,
     /// Its item of the menu View; `None` of one that is opened from elsewhere.
     pub(in crate::app) menu: Option<&'static str>,
@@ -25,13 +25,13 @@ pub(in crate::app) enum Dock<S> {
     Left(f32, RangeInclusive<f32>),
     /// Right side panel; initial width and width range, points.
     Right(f32, RangeInclusive<f32>),
-    /// A bar of this name above the picture, while it is to be seen.
+    /// A bar of this name above the image, while it is visible.
     Top(&'static str, fn(&S) -> bool),
-    /// A chip at the right end of the menu bar, where that has more room than this, points.
+    /// A chip at the right end of the menu bar, where that has more space than this, points.
     Chip(f32),
-    /// A bar of this name below the picture.
+    /// A bar of this name below the image.
     Bottom(&'static str),
-    /// A window over the picture.
+    /// A window over the image.
     Window,
     /// A window over all others.
     Over,
@@ -66,7 +66,7 @@ impl<S> PanelRow<S> {
         }
     }
 
-    /// A window that comes and goes with what it is about.
+    /// A window that appears with its subject.
     pub(in crate::app) const fn by_itself(show: fn(&mut Ui, &mut S)) -> Self {
         Self {
             id: None,

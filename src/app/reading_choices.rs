@@ -1,4 +1,4 @@
-//! Options of reading that the user has chosen for inputs in the window, kept between runs in a small JSON file.
+//! Reading options that the user has chosen for inputs in the window, stored in a small JSON file.
 
 use super::recent::{MAX_INPUTS, absolute, entry_name};
 use crate::document::Reading;
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 /// Changes where the same word would mean something else. Further fields need no other version.
 const VERSION: u32 = 1;
 
-/// Entries that are kept, latest first.
+/// Max number of entries, latest first.
 const MAX_ENTRIES: usize = 500;
 
 /// Frames that are tried before a choice is taken to be wrong: one or two may be broken.
@@ -39,7 +39,7 @@ const WHAT: &str = "the choices of reading";
 const LIST: &str = "choices";
 
 impl ReadingChoices {
-    /// The choices of this user, and what could not be read of them: a text for a notice.
+    /// The choices of this user, and a text for a notice about unreadable ones.
     pub fn load() -> (Self, Option<String>) {
         match persist::place_of("reading.json") {
             Some(file) => Self::load_from(&file),

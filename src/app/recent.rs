@@ -1,15 +1,15 @@
-//! Recently opened inputs, kept between runs in a small JSON file. Several windows share it: each puts what it opens
-//! first in the list as it is then.
+//! Recently opened inputs, stored in a small JSON file. Several windows share it: each puts its opened inputs first in
+//! the current list.
 
 use crate::persist::{self, Fields};
 use serde::Deserialize as _;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// Entries that are kept.
+/// Max number of entries.
 const MAX_ENTRIES: usize = 10;
 
-/// An entry of more files than this is not kept: it is a selection, not a place.
+/// An entry of more files than this is not stored: it is a selection, not a place.
 pub(super) const MAX_INPUTS: usize = 100;
 
 /// The inputs of sequences, latest first.
@@ -26,7 +26,7 @@ const LIST: &str = "recent";
 const WHAT: &str = "the list of recent files";
 
 impl Recent {
-    /// The list of this person, and what could not be read of it: a text for a notice.
+    /// The list of this user, and a text for a notice about unreadable entries.
     pub fn load() -> (Self, Option<String>) {
         match persist::place_of("recent.json") {
             Some(file) => Self::load_from(&file),
@@ -67,8 +67,8 @@ impl Recent {
         self.change(Vec::clear)
     }
 
-    /// Returns the thumbnail path of these inputs, regardless of whether the file exists; `None` if nothing is kept, or
-    /// they are not in the list.
+    /// Returns the thumbnail path of these inputs, regardless of whether the file exists; `None` if nothing is stored,
+    /// or they are not in the list.
     pub(super) fn picture_of(&self, inputs: &[PathBuf]) -> Option<PathBuf> {
         let inputs = absolute(inputs);
         let is_listed = self.entries.contains(&inputs);

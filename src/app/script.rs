@@ -1,9 +1,9 @@
-//! Scripts: a command per line, run in the window as a person would, for tests and demonstrations.
+//! Scripts: one command per line, run in the window as a user would, for tests and demonstrations.
 //!
-//! **How it works.** A line is the title or the word of a command ([`commands`]), with a value after the words of those
-//! that take one; `#` begins a comment. `wait 2` waits so many seconds, `wait shown` until what was asked for is in the
-//! picture, `wait done` until all tasks have ended, such as the writing of a file. Names are looked up before the first
-//! line is run; what does not apply when its turn comes ends the program with file, line and reason.
+//! **How it works.** A line is the title or the word of a command ([`commands`]), followed by a value for commands that
+//! take one; `#` begins a comment. `wait 2` waits 2 seconds, `wait shown` until the requested content is in the image,
+//! `wait done` until all tasks have ended, such as the writing of a file. Names are looked up before the first line is
+//! run; a command that does not apply when its turn comes ends the program with file, line and reason.
 
 use super::command::{Act, Command};
 use super::commands::{commands, row_of};
@@ -18,7 +18,7 @@ use std::time::Duration;
 /// Polling interval for the conditions that a script waits for.
 const LOOK_INTERVAL: Duration = Duration::from_millis(30);
 
-/// Why a script could not be read, or not go on.
+/// Errors of reading or running a script.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ScriptError {
@@ -52,7 +52,7 @@ enum Step {
     WaitDone,
 }
 
-/// A script on its way.
+/// A running script.
 #[derive(Debug, Clone)]
 pub struct Script {
     file: PathBuf,
@@ -130,7 +130,7 @@ impl Script {
         Ok(has_run)
     }
 
-    /// When [`Script::advance`] has something to do by itself; `None` at its end.
+    /// Time at which [`Script::advance`] has something to do without input; `None` at its end.
     pub fn next_deadline(&self, now: Duration) -> Option<Duration> {
         let (_, step) = self.steps.front()?;
         let begun = self.begun.unwrap_or(now);

@@ -23,11 +23,11 @@ pub(super) const GOOD: Color32 = Color32::from_rgb(98, 190, 130);
 pub(super) const COARSE: Color32 = Color32::from_rgb(62, 116, 112);
 /// Frames in memory.
 pub(super) const RESIDENT: Color32 = Color32::from_rgb(72, 104, 152);
-/// Frames on their way.
+/// Frames being prepared.
 pub(super) const PENDING: Color32 = Color32::from_rgb(58, 70, 92);
 
-/// Sets the look of the window: light or dark as the system is, dark where it does not say. A person may choose
-/// otherwise ([`super::Appearance::theme`]).
+/// Sets the look of the window: light or dark as the system is, dark if unknown. The user may choose otherwise
+/// ([`super::Appearance::theme`]).
 pub fn apply_theme(ctx: &Context) {
     ctx.set_theme(ThemePreference::System);
     ctx.all_styles_mut(|style| {
@@ -90,7 +90,7 @@ fn dark() -> Visuals {
     visuals
 }
 
-/// That of egui, with text dark enough to read and an accent that can be seen on white.
+/// Egui's light theme, with text dark enough to read and an accent that is visible on white.
 fn light() -> Visuals {
     let mut visuals = Visuals::light();
     visuals.panel_fill = Color32::from_rgb(240, 242, 246);
@@ -175,7 +175,7 @@ mod tests {
     use super::*;
     use egui::Rgba;
 
-    /// How far apart two colours are in brightness (WCAG 2.1, contrast ratio): 1 to 21.
+    /// Contrast ratio of two colours (WCAG 2.1): 1 to 21.
     fn contrast(one: Color32, other: Color32) -> f32 {
         let luminance = |color: Color32| {
             let linear = Rgba::from(color);

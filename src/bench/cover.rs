@@ -3,15 +3,15 @@
 //! How it works: the same image is drawn on two backgrounds, and a pixel is free only where it shows both of them, so
 //! that no colour of the object can pass for background. Covered pixels are stored as a summed-area table (Crow 1984):
 //! the covered fraction of any rectangle is four look-ups. [`Cover::closer_view`] tries rectangles of the image's
-//! aspect ratio, largest first, until one has the requested coverage: what a camera would see that aims at its centre
-//! and comes closer by its scale.
+//! aspect ratio, largest first, until one has the requested coverage: the view of a camera that aims at its centre and
+//! comes closer by its scale.
 
 use image::RgbaImage;
 
-/// Steps in which rectangles are moved across the picture, and in which they shrink: fine enough to aim by.
+/// Steps in which rectangles are moved across the image, and in which they shrink: fine enough for aiming.
 const STEPS: usize = 48;
 
-/// Covered pixels of one picture.
+/// Covered pixels of one image.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Cover {
     size_px: [usize; 2],
@@ -19,17 +19,17 @@ pub(super) struct Cover {
     sums: Vec<u32>,
 }
 
-/// A part of a picture with its shape.
+/// A part of an image with its aspect ratio.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct CloserView {
-    /// Offset from the centre of the image to that of the part, pixels to the right and down.
+    /// Offset from the centre of the image to the centre of the part, pixels to the right and down.
     pub(super) offset_px: [f64; 2],
-    /// Its size as a part of that of the picture, up to 1.
+    /// Its size as a fraction of the image's, up to 1.
     pub(super) scale: f64,
 }
 
 impl Cover {
-    /// Compares the same picture on two backgrounds.
+    /// Compares the same image on two backgrounds.
     pub(super) fn of(on_first: &RgbaImage, on_second: &RgbaImage, backgrounds: [[u8; 3]; 2]) -> Self {
         let [width, height] = [on_first.width(), on_first.height()];
         Self::from_fn([width as usize, height as usize], |x, y| {
@@ -52,7 +52,7 @@ impl Cover {
         Self { size_px, sums }
     }
 
-    /// Covered part of the picture, 0 to 1.
+    /// Covered part of the image, 0 to 1.
     pub(super) fn share(&self) -> f64 {
         self.share_within([0, 0], self.size_px)
     }
@@ -163,7 +163,7 @@ mod tests {
         // A block of 24×16 at the lower right of 96×64: a quarter of each edge.
         let cover = Cover::from_fn([96, 64], |x, y| (72..96).contains(&x) && y >= 48);
         let view = cover.closer_view(0.5, 0.1);
-        // Half covered: its area is twice that of the block.
+        // Half covered: its area is twice the block's.
         assert!(
             (view.scale - 0.25 * 2f64.sqrt()).abs() <= 1.0 / STEPS as f64,
             "{view:?}"

@@ -1,4 +1,4 @@
-//! On what something was measured.
+//! Hardware and build of a measurement.
 
 use crate::render::AnyRenderer;
 use crate::render::gpu::Context;

@@ -1,11 +1,11 @@
-//! Why there is no report.
+//! Errors of benchmark runs.
 
 use crate::measure::{SizeMismatch, SsimError, SurfaceMismatch};
 use crate::progress::Progress;
 use crate::render::RenderError;
 use crate::sequence::SequenceError;
 
-/// Why there is no report.
+/// Errors of benchmark runs.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum BenchError {
@@ -32,10 +32,10 @@ pub enum BenchError {
     /// An option is 0.
     #[error("the number of {0} must be at least 1")]
     ZeroOption(&'static str),
-    /// Two pictures of one run differ in size.
+    /// Two images of one run differ in size.
     #[error(transparent)]
     Compare(#[from] SizeMismatch),
-    /// A picture is too small for SSIM.
+    /// An image is too small for SSIM.
     #[error(transparent)]
     Ssim(#[from] SsimError),
     /// Depths that cannot be compared.
@@ -53,7 +53,7 @@ pub enum BenchError {
     /// Draco cannot write or read a cloud.
     #[error("Draco: {0}")]
     Draco(String),
-    /// Points that are no frame.
+    /// Points that do not form a frame.
     #[error(transparent)]
     Cloud(#[from] crate::cloud::CloudError),
     /// Clouds that cannot be compared.
@@ -65,7 +65,7 @@ pub enum BenchError {
 }
 
 impl BenchError {
-    /// Fails once nobody waits for the report any more.
+    /// Fails once the run is cancelled.
     pub(super) fn check_cancelled(progress: &Progress) -> Result<(), Self> {
         if progress.is_cancelled() {
             return Err(Self::Cancelled);

@@ -6,7 +6,7 @@ use std::str::FromStr;
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Excluded {
-    /// The first, and every so many after it.
+    /// The first, and every n-th after it.
     Every(usize),
     /// Images with these numbers, counted from 0.
     Numbers(Vec<usize>),

@@ -1,7 +1,7 @@
 //! Render modes as points of time and error, and the selection of the best one for a given budget.
 //!
 //! How it works: a mode is on the *front* (Pareto) if no other in the same light is both as fast and as accurate. There
-//! is a front for each error: that of an image, and that of the change from image to image ([`LabError`]). Fastest below an
+//! is a front for each error: of an image, and of the change from image to image ([`LabError`]). Fastest below an
 //! error, best within a time, and a slider from fast to exact all choose from the front of images alone.
 
 use super::Environment;
@@ -20,7 +20,7 @@ pub enum LabError {
     /// FLIP of an image against the ground truth.
     #[default]
     Image,
-    /// FLIP over time: of the change from image to image against that of the ground truth.
+    /// FLIP over time: the change from image to image compared with that of the ground truth.
     OverTime,
 }
 
@@ -46,11 +46,12 @@ pub struct LabPoint {
     pub style: Settings,
     /// The settings in a few words.
     pub label: String,
-    /// From camera to finished picture, median.
+    /// From camera to finished image, median.
     pub draw_ms: f64,
-    /// Mean FLIP of the pixels that show the object in the picture or in the truth, 0 to 1.
+    /// Mean FLIP of the pixels that show the object in the image or in the truth, 0 to 1.
     pub flip: f64,
-    /// Mean difference between the FLIP of two consecutive images under a turning camera and that of the truth, 0 to 1.
+    /// Mean difference between the FLIP of two consecutive images under an orbiting camera and that of the truth, 0 to
+    /// 1.
     pub flip_over_time: f64,
     /// The Pareto fronts that it is on, in the order of [`LabError::ALL`]: no other mode is both as fast and as accurate.
     pub is_on_front: [bool; LabError::ALL.len()],
@@ -142,7 +143,7 @@ impl Quality {
         fit.find(|choice| choice.draw_ms <= draw_ms).unwrap_or(&self.choices[0])
     }
 
-    /// Reads what was kept under `key`; `None` if there is nothing that can be used.
+    /// Reads the result cached under `key`; `None` if there is none that is usable.
     pub fn read(key: &QualityKey) -> Option<Self> {
         let file = key.place()?;
         let bytes = persist::read(&file).ok().flatten()?;
@@ -219,7 +220,7 @@ mod tests {
             points.map(|point| point.is_on_front[1]),
             [true, true, false, false, false]
         );
-        // Equal points are both optimal; those of another sequence do not count.
+        // Equal points are both optimal; points of another sequence do not count.
         let mut points = [point(1.0, 0.5), point(1.0, 0.5), point(0.5, 0.1)];
         points[2].sequence = "other".to_owned();
         mark_fronts(&mut points);

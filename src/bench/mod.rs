@@ -1,11 +1,11 @@
-//! The program measures itself by the protocol of the 4D media paper §VII: pictures of 1920×1280 from viewpoints around
-//! the object, 25 to 85 % of the pixels covered, after a warm-up, by CPU and GPU clocks.
+//! Benchmarks by the protocol of the 4D media paper §VII: images of 1920×1280 from viewpoints around the object, 25 to
+//! 85 % of the pixels covered, after a warm-up, by CPU and GPU clocks.
 //!
-//! A [`Suite`] is a row of the table in [`suites`], with a file that has its columns, its texts and its loop. `run` is
-//! what loops share; `scenario` places the viewpoints by what the suite draws (the octree's by surfels) and `cover`
-//! counts their pixels, `runner` holds the clocks, `report` is the answer. The command line and the window's benchmark
-//! menu both call [`run`]; nothing else of the program runs meanwhile: frames are prepared on the calling thread before
-//! they are measured, since a loader's workers would take its cores.
+//! A [`Suite`] is a row of the table in [`suites`], with a file that has its columns, its texts and its loop. `run` has
+//! the code common to loops; `scenario` places the viewpoints by the suite's primitive (the octree's by surfels),
+//! `cover` counts their pixels, `runner` holds the clocks, `report` is the result. The command line and the window's
+//! benchmark menu both call [`run`]; no other part of the program runs meanwhile: frames are prepared on the calling
+//! thread before they are measured, since a loader's workers would take its cores.
 
 mod cover;
 mod environment;
@@ -46,10 +46,10 @@ use crate::render::gpu::Context;
 use run::Run;
 use std::sync::Arc;
 
-/// Measures `inputs` on the adapter of `context`; without one, on the processor.
+/// Measures `inputs` on the adapter of `context`; without one, on the CPU.
 ///
-/// Blocks until everything is measured; `say` is called before each step, and whether `progress` is cancelled is looked
-/// at before each picture. Frames that cannot be read or have no points are skipped, which [`Report::notes`] say.
+/// Blocks until everything is measured; `say` is called before each step; `progress` is checked for cancellation before
+/// each image. Frames that cannot be read or have no points are skipped, which [`Report::notes`] say.
 pub fn run(
     inputs: &[Input],
     options: &BenchOptions,

@@ -2,7 +2,7 @@
 //!
 //! Words of one group are alternatives, groups must all be met: renderer (cpu, gpu), primitive (surfel, mesh, voxel,
 //! point, or surfels of one splatting mode), and how instances reach the GPU (storage, uniform …). A group without
-//! words is no condition.
+//! words is not a condition.
 
 use crate::scene::{Primitive, RendererChoice, Splatting, Strategy, Style};
 use std::str::FromStr;
@@ -25,7 +25,7 @@ pub struct Modes {
 pub struct ParseModeError(String);
 
 impl Modes {
-    /// All ways of one renderer.
+    /// All modes of one renderer.
     pub fn of_renderer(renderer: RendererChoice) -> Self {
         Self {
             renderers: vec![renderer],

@@ -16,11 +16,11 @@ use std::sync::Arc;
 pub struct BenchOptions {
     /// Suite to run.
     pub suite: &'static Suite,
-    /// Picture size; at least 1×1.
+    /// Image size; at least 1×1.
     pub viewport_px: [u32; 2],
     /// Directions from which each frame is seen; at least 1. The protocol wants 8.
     pub viewpoints: usize,
-    /// Frames of each sequence, spread evenly; at least 1. For suites that play how many are shown, turn after turn.
+    /// Frames of each sequence, spread evenly; at least 1. For suites that play, the number of shown frames, looping.
     pub frames: usize,
     /// The frame that is chosen first, by suites that take it.
     pub first_frame: usize,
@@ -39,13 +39,13 @@ pub struct BenchOptions {
     pub cloud_points: Vec<usize>,
     /// Images held out by the suite that compares with them.
     pub leave_out: Excluded,
-    /// Folder in which ground-truth images are kept for the next run; `None` keeps none.
+    /// Folder in which ground-truth images are cached for the next run; `None` caches none.
     #[serde(skip)]
     pub truth_folder: Option<PathBuf>,
 }
 
 impl BenchOptions {
-    /// The paper's protocol for `suite`; for those that are not the paper's, what takes minutes instead of hours.
+    /// The paper's protocol for `suite`; for other suites, options that take minutes instead of hours.
     pub fn new(suite: &'static Suite) -> Self {
         let Defaults {
             viewport_px,
@@ -73,7 +73,7 @@ impl BenchOptions {
         }
     }
 
-    /// The folder of this person for [`BenchOptions::truth_folder`]; `None` where the system has no such place.
+    /// The folder of this user for [`BenchOptions::truth_folder`]; `None` where the system has no such place.
     pub fn truth_folder_of_person() -> Option<PathBuf> {
         persist::cached_place_of("truth")
     }
@@ -91,7 +91,7 @@ pub struct Input {
 }
 
 impl Input {
-    /// One frame of a torus of so many points.
+    /// One frame of a torus with this many points.
     pub(super) fn torus(points: usize) -> Self {
         Self {
             name: format!("torus of {points}"),
@@ -119,12 +119,12 @@ pub struct Step {
 pub enum Measured {
     /// Render mode by time and error.
     Way(Arc<LabPoint>),
-    /// A way to keep a frame by rate and distortion.
+    /// An encoding of a frame, by rate and distortion.
     Rate(Arc<RatePoint>),
 }
 
 impl Measured {
-    /// The way in a few words.
+    /// The encoding in a few words.
     pub fn label(&self) -> &str {
         match self {
             Self::Way(point) => &point.label,

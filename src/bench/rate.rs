@@ -1,4 +1,4 @@
-//! Ways to keep a frame as points of rate and distortion.
+//! Encodings of a frame as points of rate and distortion.
 
 use crate::measure::CloudError;
 use crate::reel::ReelOptions;
@@ -29,7 +29,7 @@ impl Sweep {
     }
 }
 
-/// A way to keep a frame, with what it takes and what it loses.
+/// An encoding of a frame, with its size and its loss.
 #[derive(Debug, Clone)]
 pub struct RatePoint {
     /// Name of the sequence.
@@ -44,7 +44,7 @@ pub struct RatePoint {
     pub bits_per_point: f64,
     /// Error of points, colours and normals against the original.
     pub error: CloudError,
-    /// Mean FLIP of the pixels that show the object in its picture or in that of the original, 0 to 1.
+    /// Mean FLIP of the pixels that show the object in its image or in the original's, 0 to 1.
     pub flip: f64,
     /// The first view, small.
     pub picture: RgbaImage,

@@ -21,7 +21,7 @@ pub(super) const COVERAGE_BACKGROUNDS: [[u8; 3]; 2] = [[0, 0, 0], [255, 255, 255
 /// One run of a suite.
 pub(super) struct Run<'a> {
     pub(super) options: &'a BenchOptions,
-    /// The adapter if there is one, else the processor.
+    /// The adapter if there is one, else the CPU.
     pub(super) runner: Runner,
     pub(super) progress: &'a Progress,
     inputs: &'a [Input],
@@ -80,7 +80,7 @@ impl<'a> Run<'a> {
         Ok(subjects)
     }
 
-    /// Adds steps to the step count, in addition to those of frames.
+    /// Adds steps to the step count, in addition to the frames' steps.
     pub(super) fn add_steps(&mut self, count: usize) {
         self.steps_total += count;
     }
@@ -90,7 +90,7 @@ impl<'a> Run<'a> {
         BenchError::check_cancelled(self.progress)
     }
 
-    /// By what the run is cancelled.
+    /// Progress that cancels the run.
     pub(super) fn progress(&self) -> &'a Progress {
         self.progress
     }
@@ -100,7 +100,7 @@ impl<'a> Run<'a> {
         self.report.notes.push(text);
     }
 
-    /// Says what comes next.
+    /// Reports the next step.
     pub(super) fn begin_step(&mut self, label: String) -> Result<(), BenchError> {
         self.check_cancelled()?;
         (self.say)(Step {
@@ -113,7 +113,7 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// Shows what was measured before the run is over.
+    /// Shows a measurement before the run is over.
     pub(super) fn say_measured(&self, measured: impl Into<Measured>) {
         let measured = measured.into();
         (self.say)(Step {
@@ -232,7 +232,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Adds what was measured of a sequence.
+    /// Adds the measurements of a sequence.
     pub(super) fn finish(
         &mut self,
         subject: &Subject<'_>,
@@ -255,7 +255,7 @@ impl<'a> Run<'a> {
         self.report.rows.extend(rows);
     }
 
-    /// Adds a way to keep a frame by rate and distortion.
+    /// Adds an encoding of a frame, by rate and distortion.
     pub(super) fn add_rate(&mut self, point: RatePoint) {
         self.report.rates.push(point);
     }

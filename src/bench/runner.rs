@@ -1,8 +1,8 @@
-//! The clocks: what one upload and one picture take.
+//! The clocks: times of one upload and one image.
 //!
-//! A picture is timed by the wall clock from handing over the packet until the GPU has finished, nothing being read
-//! back or shown, and by GPU timestamps around its passes where the adapter has them. What it draws is resident before:
-//! uploads are timed apart, until their copies have arrived. Compiling pipelines is in neither.
+//! An image is timed by the wall clock from handing over the packet until the GPU has finished, nothing being read back
+//! or shown, and by GPU timestamps around its passes where the adapter has them. Its content is resident before:
+//! uploads are timed separately, until their copies have arrived. Compiling pipelines is in neither.
 
 use crate::levels::Selection;
 use crate::render::{AnyRenderer, PassTimes, RenderError, Renderer};
@@ -16,7 +16,7 @@ use std::time::Instant;
 /// Draw time of one image.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DrawTime {
-    /// From the packet to the finished picture, on the CPU's clock.
+    /// From the packet to the finished image, on the CPU's clock.
     pub(super) wall_ms: f64,
     /// Its passes, on the GPU's clock.
     pub(super) gpu_ms: Option<f64>,
@@ -32,7 +32,7 @@ pub(super) struct Upload {
     pub(super) bytes: u64,
 }
 
-/// Draws packets and looks at the clock.
+/// Draws packets and measures their times.
 #[derive(Debug)]
 pub(super) struct Runner {
     renderer: AnyRenderer,
@@ -48,12 +48,12 @@ impl Runner {
         self.renderer.is_processor()
     }
 
-    /// Makes everything that pictures like `packet` share (pipelines, targets) by drawing a single record of it.
+    /// Creates everything that images like `packet` share (pipelines, targets) by drawing a single record of it.
     pub(super) fn warm_up(&mut self, packet: &ScenePacket) -> Result<(), RenderError> {
         self.draw(&single_record(packet)).map(|_| ())
     }
 
-    /// Makes what `packet` draws resident and waits until it has arrived.
+    /// Makes the content of `packet` resident and waits until it has arrived.
     pub(super) fn upload(&mut self, packet: &ScenePacket) -> Result<Upload, RenderError> {
         let before = self.renderer.stats().uploaded_bytes;
         let start = Instant::now();
@@ -93,7 +93,7 @@ impl Runner {
         self.renderer.summary()
     }
 
-    /// The picture of `packet`.
+    /// The image of `packet`.
     pub(super) fn image(&mut self, packet: &ScenePacket) -> Result<RgbaImage, RenderError> {
         self.renderer.prepare(packet)?;
         self.renderer.render()?;
@@ -130,7 +130,7 @@ fn single_record(packet: &ScenePacket) -> ScenePacket {
             let first = mesh.triangles.iter().copied().take(1);
             Content::Mesh(Arc::new(mesh.with_triangles(first.collect())))
         }
-        // All of these are needed to determine what is visible.
+        // All of these are needed to determine visibility.
         Content::Nothing | Content::Coded(_) | Content::Visible(_) => packet.content.clone(),
     };
     ScenePacket {

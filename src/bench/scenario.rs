@@ -1,23 +1,25 @@
-//! From where a frame is seen (the 4D media paper §VII: "distinct viewpoints", 25 to 85 % of the pixels covered).
+//! Viewpoints of a frame (the 4D media paper §VII: "distinct viewpoints", 25 to 85 % of the pixels covered).
 //!
 //! How it works: viewpoints stand on a circle around the frame at changing elevations and look at the mean of its
-//! points first. How much of a picture the object covers cannot be computed from its box, so it is measured: the frame
+//! points first. The coverage of an image by the object cannot be computed from its box, so it is measured: the frame
 //! is drawn as the suite draws it and its pixels are counted. Too much, and the camera moves out: the covered area goes
-//! with 1/distance². Too little, and [`Cover::closer_view`] finds the part of the picture that is covered as wanted, at
-//! which the camera then aims and to which it comes closer. A move that does not help is taken back and tried by half.
+//! with 1/distance². Too little, and [`Cover::closer_view`] finds the part of the image with the wanted coverage, at
+//! which the camera then aims and to which it comes closer. A move that does not help is undone and retried at half the
+//! step.
 //!
-//! Voxels of a sparse cloud do not close its surface: at δ = 5 % nearly every point has a cell of its own, much smaller
-//! than the point's share of the surface. Coming closer therefore helps only until the object fills the picture. By its
-//! own figures the paper's do not close it either: the depths of its Table IV are those that Table III gives for δ = 5
-//! %, and 85,000 leaves of edge 1/1024 have 8 % of the area of a face of the cube. How its 25 % were reached it does
-//! not say. δ and LOD threshold stay the paper's here, viewpoints of voxels show a part of the object, and what cannot
-//! be brought into the band (a laser sweep, a thinned cloud) is measured where it came closest and named in the report.
+//! Voxels of a sparse cloud do not close its surface: at δ = 5 % nearly every point has its own cell, much smaller than
+//! the point's share of the surface. Coming closer therefore helps only until the object fills the image. By its own
+//! figures the paper's do not close it either: the depths of its Table IV are those that Table III gives for δ = 5 %,
+//! and 85,000 leaves of edge 1/1024 have 8 % of the area of a face of the cube. It does not say how its 25 % were
+//! reached. δ and LOD threshold stay the paper's here, viewpoints of voxels show a part of the object, and clouds that
+//! cannot be brought into the band (a LiDAR sweep, a subsampled cloud) are measured at the closest viewpoint and named
+//! in the report.
 
 use super::cover::Cover;
 use crate::scene::Camera;
 use std::ops::RangeInclusive;
 
-/// The share of covered pixels that the protocol asks for.
+/// The share of covered pixels that the protocol requires.
 pub const COVERAGE_BAND: RangeInclusive<f64> = 0.25..=0.85;
 
 /// Target coverage of a correction: the geometric mean of the two ends of the band.
@@ -26,14 +28,14 @@ const COVERAGE_TARGET: f64 = 0.46;
 /// Moves of one climb.
 const MAX_MOVES: usize = 10;
 
-/// Largest change of the distance in the first moves: what is seen from afar says little about a view from close by. A
-/// climb that ends in a hollow is tried again by smaller steps, which take another way.
+/// Largest change of the distance in the first moves: a distant view says little about a close one. A climb that ends
+/// in a local optimum is retried with smaller steps, which take another path.
 const FIRST_REACHES: [f64; 2] = [2.5, 1.6];
 
-/// A correction that may change the distance by no more than this is not worth a picture.
+/// A correction that may change the distance by no more than this is not worth an image.
 const MIN_REACH: f64 = 1.05;
 
-/// A correction that gains less of the picture than this hardly helps: the next one is smaller.
+/// A correction that gains less of the image than this hardly helps: the next one is smaller.
 const MIN_GAIN: f64 = 0.003;
 
 /// Distance range of the camera, as multiples of the distance that frames the whole object. Closer than this the eye
@@ -64,11 +66,11 @@ impl Viewpoint {
     }
 }
 
-/// Moves `start`, which shows all of the object, along its direction and across it until its picture is covered to
+/// Moves `start`, which shows all of the object, along its direction and across it until its image is covered to
 /// [`COVERAGE_BAND`].
 ///
-/// `measure` draws a picture `height_px` high. Returns the viewpoint that came closest to the band, within
-/// [`MAX_MOVES`] moves for each of [`FIRST_REACHES`].
+/// `measure` draws an image `height_px` high. Returns the viewpoint that came closest to the band, within [`MAX_MOVES`]
+/// moves for each of [`FIRST_REACHES`].
 pub(super) fn place<E>(
     start: Camera,
     height_px: f64,
@@ -92,8 +94,7 @@ pub(super) fn place<E>(
     Ok(best)
 }
 
-/// Moves `best`, of which `cover` is the picture, as long as it helps. The first move changes the distance at most by
-/// `reach`.
+/// Moves `best`, whose image is `cover`, as long as it helps. The first move changes the distance at most by `reach`.
 fn climb<E>(
     mut best: Viewpoint,
     mut cover: Cover,
@@ -141,7 +142,7 @@ fn distance_to_band(coverage: f64) -> f64 {
         .max(0.0)
 }
 
-/// Coverage over all pictures of a sequence.
+/// Coverage over all images of a sequence.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Coverage {
     /// Smallest share of covered pixels, 0 to 1.
@@ -150,14 +151,14 @@ pub struct Coverage {
     pub mean: f64,
     /// Largest share.
     pub max: f64,
-    /// Pictures whose share is outside [`COVERAGE_BAND`].
+    /// Images whose share is outside [`COVERAGE_BAND`].
     pub outside: usize,
-    /// Pictures.
+    /// Images.
     pub count: usize,
 }
 
 impl Coverage {
-    /// Sums up the shares of some pictures; `None` without any.
+    /// Sums up the shares of some images; `None` without any.
     pub fn of(shares: &[f64]) -> Option<Self> {
         let quantiles = super::Quantiles::of(shares)?;
         Some(Self {
@@ -192,8 +193,7 @@ mod tests {
         }
     }
 
-    /// A rectangle in the plane z = 0, of which every `every`th pixel is seen, as drawn by a camera that looks
-    /// along -z.
+    /// A rectangle in the plane z = 0, with every `every`th pixel visible, as drawn by a camera that looks along -z.
     fn board(center: [f64; 2], half: [f64; 2], every: usize) -> impl FnMut(&Camera) -> Result<Cover, Infallible> {
         move |camera| {
             let [width, height] = SIZE_PX.map(|edge| edge as f64);

@@ -1,4 +1,4 @@
-//! Pictures as small as reports and the window show them.
+//! Images scaled down for reports and the window.
 
 use image::RgbaImage;
 use image::imageops::{FilterType, resize};
@@ -6,7 +6,7 @@ use image::imageops::{FilterType, resize};
 /// Their width, pixels.
 const WIDTH_PX: u32 = 240;
 
-/// A picture made small, unless it is.
+/// Scales an image down, unless it is small.
 pub(super) fn small(image: &RgbaImage) -> RgbaImage {
     let (width, height) = image.dimensions();
     let small_width = WIDTH_PX.min(width);

@@ -1,7 +1,7 @@
 //! Order statistics of repeated measurements.
 //!
-//! Times on a busy machine have a long upper tail: the median and the quartiles say what a picture takes, the mean is
-//! there because the paper's tables are means.
+//! Times on a busy machine have a long upper tail: the median and the quartiles give the time of an image, the mean is
+//! included because the paper's tables are means.
 
 /// Quantiles of samples, in the unit of the samples.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]

@@ -1,4 +1,4 @@
-//! One sequence of a run, and where it is looked at from.
+//! One sequence of a run, and its viewpoints.
 
 use super::scenario;
 use crate::composition::{PictureView, packet};
@@ -18,12 +18,12 @@ pub(super) struct Subject<'a> {
 }
 
 impl Subject<'_> {
-    /// A frame of it, for people.
+    /// Display name of a frame of it.
     pub(super) fn named(&self, index: usize) -> String {
         format!("{} {}", self.name, frame_place(index, self.sequence.len()))
     }
 
-    /// The packet of a picture of `frame` from `camera`; `scene` remembers the last one.
+    /// The packet of an image of `frame` from `camera`; `scene` remembers the last one.
     pub(super) fn packet(
         &self,
         scene: &mut Scene,
@@ -47,7 +47,7 @@ impl Subject<'_> {
         Camera::framing(&frame.frame.bounds(), origin, up)
     }
 
-    /// `count` views of it from all around, so many times as far away.
+    /// `count` views of it from all around, at `distance` times the distance.
     pub(super) fn views(&self, frame: &PreparedFrame, count: usize, distance: f64) -> Vec<Camera> {
         let framing = self.framing(frame);
         let view = |(azimuth_deg, elevation_deg)| Camera {

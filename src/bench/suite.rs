@@ -19,7 +19,7 @@ pub struct Suite {
     pub(crate) measured: &'static str,
     /// See [`Suite::measured`].
     pub(crate) not_measured: &'static str,
-    /// Name of what covers the pixels whose coverage is reported.
+    /// Name of the primitive whose pixel coverage is reported.
     pub(crate) covered_by: &'static str,
     /// Default options of the measurement, unless overridden.
     pub(crate) defaults: Defaults,
@@ -39,7 +39,7 @@ pub struct Suite {
     pub(crate) bar_labels: usize,
 }
 
-/// See [`crate::bench::BenchOptions`] for what they mean.
+/// See [`crate::bench::BenchOptions`] for their meaning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Defaults {
     pub(crate) viewport_px: [u32; 2],
@@ -48,7 +48,7 @@ pub(crate) struct Defaults {
 }
 
 impl Defaults {
-    /// Viewpoints that the paper's protocol asks for.
+    /// Viewpoints of the paper's protocol.
     pub(crate) const PROTOCOL_VIEWPOINTS: usize = 8;
 
     /// The paper's protocol.

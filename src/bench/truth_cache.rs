@@ -1,9 +1,8 @@
-//! True pictures on disk, by the content that they show: they take seconds, and the same view is measured again and
-//! again.
+//! Disk cache of ground-truth images, by their content: they take seconds, and the same view is measured repeatedly.
 //!
-//! How it works: the name of a truth is the SHA-256 of everything that it depends on. Picture, depths and tolerances
-//! are three PNG files, the latter with the bytes of an f32 in the channels of a pixel. What cannot be read is made
-//! again. The oldest files go when there are too many bytes of them.
+//! How it works: the name of a truth is the SHA-256 of everything that it depends on. Image, depths and tolerances are
+//! three PNG files, the latter with the bytes of an f32 in the channels of a pixel. Unreadable truths are regenerated.
+//! The oldest files are removed when the cache is too large.
 
 use crate::binary::hex;
 use crate::measure::DepthImage;
@@ -16,10 +15,10 @@ use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-/// Bytes that are kept.
+/// Max bytes of the cache.
 const MAX_BYTES: u64 = 256 << 20;
 
-/// Changes whenever truths are worked out in another way.
+/// Incremented whenever truths are computed differently.
 const VERSION: u32 = 2;
 
 /// A folder of truths.
@@ -30,7 +29,7 @@ pub(super) struct TruthCache {
 }
 
 impl TruthCache {
-    /// Truths in `folder`, or none that are kept.
+    /// A cache in `folder`, or no caching.
     pub(super) fn new(folder: Option<PathBuf>) -> Self {
         Self {
             folder,
@@ -38,7 +37,7 @@ impl TruthCache {
         }
     }
 
-    /// The truth of `key`: from the disk, or made and kept there.
+    /// The truth of `key`: from the disk, or generated and stored there.
     pub(super) fn get(&self, key: &TruthKey<'_>, make: impl FnOnce() -> Truth) -> Truth {
         let Some(folder) = &self.folder else {
             return make();

@@ -1,15 +1,15 @@
 //! The header of an array of numpy (NPY format 1 to 3): type, order and shape.
 //!
-//! It is a Python dictionary of three known keys, read sign by sign: the crates at hand parse any Python literal, of
-//! any depth, on the stack. Nothing is allocated by what it claims; whether so many numbers follow is for the taker to
-//! see.
+//! It is a Python dictionary of three known keys, read character by character: the available crates parse any Python
+//! literal, of any depth, on the stack. Nothing is allocated by its claims; the caller checks the number of values that
+//! follow.
 
 use super::scalar::Scalar;
 
 /// Magic bytes at the beginning of every array.
 const MAGIC: &[u8] = b"\x93NUMPY";
 
-/// Header of an array: what is known of it before its numbers.
+/// Header of an array: its description before the numbers.
 #[derive(Debug)]
 pub(crate) struct Header {
     /// Entries along each dimension.
@@ -34,7 +34,7 @@ pub(crate) enum Layout {
 #[derive(Debug)]
 pub(crate) struct Field {
     pub(crate) name: String,
-    /// None for text and other things.
+    /// None for text and other data.
     pub(crate) number: Option<Number>,
     pub(crate) offset: usize,
     /// Number of values it consists of.
@@ -49,7 +49,7 @@ pub(crate) struct Number {
     pub(crate) big_endian: bool,
 }
 
-/// Why there is no header.
+/// Errors of header parsing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum HeaderError {
     #[error("it does not begin with `\\x93NUMPY`: this is not an NPY file")]

@@ -30,8 +30,8 @@ impl Scalar {
         matches!(self, Self::F64 | Self::I32 | Self::U32 | Self::I64 | Self::U64)
     }
 
-    /// Returns full intensity for colours of which `largest` is the brightest channel. It is determined by the type,
-    /// but writers put 0 to 255 into 16 bits and into floats, too, and 16 bits into wider types.
+    /// Returns full intensity for colours whose brightest channel is `largest`. It is determined by the type, but
+    /// writers put 0 to 255 into 16 bits and into floats, too, and 16 bits into wider types.
     pub(crate) fn full_scale(self, largest: f64) -> f64 {
         const BYTE: f64 = u8::MAX as f64;
         const WORD: f64 = u16::MAX as f64;

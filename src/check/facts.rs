@@ -1,4 +1,4 @@
-//! Frame facts: what is remembered of a frame after inspection.
+//! Frame facts: the summary of a frame after inspection.
 
 use crate::cloud::{Frame, MissingPoints, NoData, Positions, RawCloud, make_holes, usable_radii};
 use crate::scene::{FirstLook, UpAxis};
@@ -11,11 +11,11 @@ pub struct FrameFacts {
     pub point_count: usize,
     /// Points with three finite coordinates.
     pub finite_count: usize,
-    /// Finite points that stand for no measurement.
+    /// Finite no-data points.
     pub missing: MissingPoints,
     /// Corners of the box around the other finite points.
     pub bounds: Option<(DVec3, DVec3)>,
-    /// Names of what each point has.
+    /// Names of the point attributes.
     pub attributes: Vec<String>,
     /// Points that lie exactly where an earlier one does.
     pub duplicate_count: usize,
@@ -72,7 +72,7 @@ impl FrameFacts {
     }
 }
 
-/// Returns the unread parts of interest to those who look at the file.
+/// Returns the unread parts of interest to viewers of the file.
 fn noted(raw: &RawCloud) -> Vec<String> {
     let noted = raw.dropped.iter().filter(|entry| entry.is_noted);
     noted.map(|entry| entry.what.clone()).collect()

@@ -25,7 +25,7 @@ pub enum FindingKind {
     ChangedAttributes,
     /// Coordinates that are NaN or infinite.
     NonFinitePoints,
-    /// Points that stand for no measurement.
+    /// No-data points.
     NoDataPoints,
     /// Points at exactly the same place.
     DuplicatePoints,
@@ -98,7 +98,7 @@ impl FindingKind {
     }
 }
 
-/// Something that a person should look at.
+/// A problem that the user should check.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[non_exhaustive]
 pub struct Finding {
@@ -108,6 +108,6 @@ pub struct Finding {
     pub severity: Severity,
     /// Indices of the frames in which it is.
     pub frames: Vec<usize>,
-    /// Message that states what was found and what to do, in a sentence.
+    /// Message that states the finding and the remedy, in one sentence.
     pub message: String,
 }

@@ -20,7 +20,7 @@ const JUMP_IN_DIAGONALS: f64 = 0.5;
 /// The diagonal that grows or shrinks by more than this factor has jumped.
 const DIAGONAL_FACTOR: f64 = 2.0;
 
-/// Diagonals of what people scan, in metres: from a grain of pollen to a country.
+/// Plausible diagonals of scans, in metres: from a grain of pollen to a country.
 const PLAUSIBLE_DIAGONAL: std::ops::RangeInclusive<f64> = 1e-5..=2e6;
 
 /// A step of single precision above this share of the diagonal can be seen as stripes.
@@ -148,7 +148,7 @@ fn counted(
     })
 }
 
-/// Points that stand for no measurement, with value and count of the first frame that has some.
+/// No-data points, with value and count of the first frame that has some.
 fn no_data_points(facts: &Facts) -> Option<Finding> {
     let missing = facts.iter().enumerate().filter_map(|(index, facts)| {
         let missing = &facts.as_ref().ok()?.missing;
@@ -358,7 +358,7 @@ fn unread_properties(facts: &Facts) -> Vec<Finding> {
     frames_of.into_iter().map(finding).collect()
 }
 
-/// Frames whose attributes are not those of most frames; `attributes` are those of each frame that can be read.
+/// Frames whose attributes differ from those of most frames; `attributes` has an entry for each readable frame.
 pub(crate) fn changed_attributes<'a>(attributes: impl IntoIterator<Item = (usize, &'a [String])>) -> Vec<Finding> {
     let mut kinds: BTreeMap<&[String], Vec<usize>> = BTreeMap::new();
     for (index, attributes) in attributes {

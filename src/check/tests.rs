@@ -12,7 +12,7 @@ fn grid(shift: f64) -> RawCloud {
     RawCloud::from_positions(Positions::F64((0..100).map(position).collect()))
 }
 
-/// What is found in these clouds, under these names.
+/// Findings in these clouds, under these names.
 fn found(clouds: Vec<(&str, RawCloud)>) -> Vec<(FindingKind, Vec<usize>)> {
     let sources = clouds.iter().zip(0..).map(|((name, _), place)| FrameEntry {
         number: name.trim_matches(|c: char| !c.is_ascii_digit()).parse().ok(),

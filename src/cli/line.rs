@@ -9,7 +9,7 @@ use clap::{Arg, ArgAction, Command};
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
-/// Options that other programs call otherwise, told apart by their values.
+/// Options with other names in other programs, distinguished by their values.
 const BY_VALUE: [(&str, IsMeant, &str); 2] = [("resolution", is_size, "size"), ("camera", is_path_of_camera, "path")];
 
 /// True for values of the option that is meant.
@@ -116,7 +116,7 @@ fn takes_value(option: &Arg) -> bool {
     matches!(option.get_action(), ArgAction::Set | ArgAction::Append)
 }
 
-/// Words of other programs for what a command does.
+/// Words of other programs for our commands.
 const SYNONYMS: [(&str, &str); 24] = [
     ("inspect", "info"),
     ("show", "view"),

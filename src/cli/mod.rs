@@ -1,6 +1,6 @@
-//! The command line: one file per command. Exit code 0, 2 for wrong usage, 1 for any failure with one sentence
-//! on stderr (also where the answer cannot be written to stdout), 3 where `check` found something. What a signal has
-//! ended dies by it.
+//! The command line: one file per command. Exit code 0, 2 for wrong usage, 1 for any failure with one sentence on
+//! stderr (also where the answer cannot be written to stdout), 3 where `check` found something. A command ended by a
+//! signal dies by it.
 
 mod commands;
 mod help;
@@ -58,11 +58,11 @@ enum Subcommands {
     CompareFrames(commands::compare_frames::CompareFramesArgs),
 }
 
-/// Exit code of wrong usage, as of what the parser of the command line refuses.
+/// Exit code of wrong usage, the same as of parser errors.
 const WRONG_USAGE: u8 = 2;
 
-/// Runs the subcommand of this process's command line and reports errors. To be called once, as the last thing that a
-/// process does.
+/// Runs the subcommand of this process's command line and reports errors. To be called once, as the last action of a
+/// process.
 pub fn main() -> ExitCode {
     // Dropped last.
     let _removes_all = RemovesAll;
@@ -74,7 +74,7 @@ pub fn main() -> ExitCode {
     run(std::env::args_os())
 }
 
-/// Removes what threads that still run are writing, after a panic too.
+/// Removes the unfinished files of running threads, after a panic too.
 struct RemovesAll;
 
 impl Drop for RemovesAll {
@@ -84,7 +84,7 @@ impl Drop for RemovesAll {
 }
 
 /// Runs the subcommand of a command line, whose first word is the name of the program, and reports errors. A process
-/// may do so many times: tests that try thousands of files start no program for each.
+/// may call it many times: tests of thousands of files start no program for each.
 pub fn run(line: impl IntoIterator<Item = OsString>) -> ExitCode {
     let command = command();
     let words = line::spelt(line.into_iter().collect(), &command);
@@ -99,7 +99,7 @@ pub fn run(line: impl IntoIterator<Item = OsString>) -> ExitCode {
     match parsed.and_then(|matches| Arguments::from_arg_matches(&matches)) {
         Ok(arguments) => run_subcommand(arguments),
         Err(usage) if usage.use_stderr() => {
-            // If this fails there is no one left to tell.
+            // If this fails there is no one left to report to.
             let _ = usage.print();
             ExitCode::from(WRONG_USAGE)
         }
@@ -151,7 +151,7 @@ fn run_subcommand(arguments: Arguments) -> ExitCode {
     code
 }
 
-/// Says what went wrong.
+/// Reports an error.
 fn ended_with(result: anyhow::Result<ExitCode>) -> ExitCode {
     match result {
         Ok(code) => code,
@@ -169,7 +169,7 @@ fn ended_with(result: anyhow::Result<ExitCode>) -> ExitCode {
 /// Starts the log: messages are printed like the warnings of a subcommand, unless the user has requested the log.
 fn start_log() {
     const LEVELS: &str = "RUST_LOG";
-    // The user could do nothing about what these libraries warn of.
+    // The user can do nothing about the warnings of these libraries.
     let usual = "warn,wgpu_hal=error,wgpu_core=error,winit=error,sctk_adwaita=off,arboard=error,\
         egui_winit=error,rfd=off";
     let mut log = env_logger::Builder::from_env(env_logger::Env::new().filter_or(LEVELS, usual));

@@ -43,7 +43,7 @@ pub(super) fn open_inputs(
     Ok(OpenedInputs { sequence, session })
 }
 
-/// Calls [`open_inputs`] and warns of what is skipped. A window reports that itself.
+/// Calls [`open_inputs`] and warns of skipped files. A window reports that itself.
 pub(super) fn open_inputs_and_tell(inputs: &[PathBuf], options: &OpenOptions) -> anyhow::Result<OpenedInputs> {
     let opened = open_inputs(inputs, options, None)?;
     let of_session = opened.session.iter().flat_map(|read| &read.warnings);
@@ -202,7 +202,7 @@ impl SessionInfo {
     }
 }
 
-/// The fields of what is written as an object.
+/// The fields of a value that serialises as an object.
 fn fields_of(value: &impl Serialize) -> BTreeMap<String, Value> {
     // Via text, as in files: single-precision numbers have only the digits that they need.
     let text = serde_json::to_string(value).unwrap_or_default();

@@ -222,8 +222,7 @@ fn names() -> Vec<String> {
     TOPICS.iter().map(|topic| topic.name.to_owned()).collect()
 }
 
-/// The name in `words`, a command line with the name of the program, if it is not that of a command: `pointreel help
-/// NAME`.
+/// The name in `words`, a command line with the name of the program, if it is not a command: `pointreel help NAME`.
 fn asked<'a>(words: &'a [OsString], command: &Command) -> Option<&'a str> {
     match words {
         [_, help, name] if help == "help" => name.to_str().filter(|name| command.find_subcommand(name).is_none()),

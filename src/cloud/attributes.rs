@@ -8,7 +8,8 @@ use std::ops::RangeInclusive;
 /// Points that are worth handing to another thread.
 const POINTS_PER_TASK: usize = 1 << 15;
 
-/// Defines [`Attributes`], and what visits all of its arrays, from a line an attribute: field, entry, name for people.
+/// Defines [`Attributes`], and the visitors of all of its arrays, from one line per attribute: field, entry, display
+/// name.
 macro_rules! attributes {
     ($($(#[$doc:meta])* $field:ident: $entry:ty = $name:literal,)*) => {
         /// Point attributes in addition to positions. Every array that is present has one entry per point.
@@ -20,7 +21,7 @@ macro_rules! attributes {
         }
 
         impl Attributes {
-            /// The arrays that are there, in the order of the list.
+            /// The present arrays, in the order of the list.
             fn arrays(&self) -> impl Iterator<Item = Array<'_>> {
                 let listed = [$(self.$field.as_deref().map(|entries| Array::of($name, entries))),*];
                 let scalars = self.scalars.iter().map(|field| Array::of(&field.name, &field.values));
@@ -55,11 +56,11 @@ attributes! {
     normals: [f32; 3] = "normal",
     /// Radii of the disks that stand for splats, in the unit of positions.
     radii: f32 = "radius",
-    /// Shapes of splats that are longer in one direction, each with the area of the disk that its radius says.
+    /// Shapes of splats that are longer in one direction, each with the area of the disk of its radius.
     ellipses: Ellipse = "ellipse",
 }
 
-/// An array of attributes, whatever its entries are.
+/// An array of attributes with entries of any type.
 struct Array<'a> {
     name: &'a str,
     len: usize,
@@ -77,7 +78,7 @@ impl<'a> Array<'a> {
 }
 
 impl Attributes {
-    /// Names of the attributes that are there.
+    /// Names of the present attributes.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.arrays().map(|array| array.name)
     }
@@ -101,8 +102,8 @@ impl Attributes {
     }
 
     /// Sanitises attributes: normals become unit vectors, or zero where there is no direction; radii become drawable, 0
-    /// where there is none; scalars finite or NaN. Ellipses are kept next to a normal and a radius, and are circles
-    /// otherwise. Radii outside of `usable_radii` are missing.
+    /// where there is none; scalars finite or NaN. Ellipses are retained where there is a normal and a radius, and
+    /// become circles otherwise. Radii outside of `usable_radii` are missing.
     pub(super) fn make_usable(&mut self, usable_radii: &RangeInclusive<f32>) {
         for_each(self.normals.as_deref_mut(), |normal| *normal = unit_or_zero(*normal));
         for_each(self.radii.as_deref_mut(), |radius| {
@@ -262,7 +263,7 @@ mod tests {
             assert_eq!(usable_radius(radius, &usable), 0.0, "{radius}");
         }
         assert_eq!(usable_radius(3.5, &usable), 3.5);
-        // Whatever the extent is, squares of radii are numbers.
+        // For any extent, squares of radii are finite.
         for usable in [usable_radii(5, place), usable_radii(100, |_| DVec3::ONE)] {
             for radius in [1e30, 1e-30, f32::NAN] {
                 assert_eq!(usable_radius(radius, &usable), 0.0, "{radius}");

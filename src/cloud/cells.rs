@@ -32,8 +32,7 @@ pub struct TooManyCells {
     pub farthest: f64,
 }
 
-/// Cells on multiples of an edge, in every cloud the same, with the points in them. They stand in the order of their
-/// first points.
+/// Cells at multiples of an edge, the same in every cloud, with the points in them; ordered by their first points.
 #[derive(Debug)]
 pub struct Cells {
     edge: f64,
@@ -98,8 +97,8 @@ impl Cells {
         self.edge
     }
 
-    /// Adds the points of `cloud` that are finite. What one of several clouds lacks, the joined points lack.
-    /// Precondition: `cloud` has the scalar fields of those before it.
+    /// Adds the points of `cloud` that are finite. Attributes that one of several clouds lacks are missing in the
+    /// merged points. Precondition: `cloud` has the scalar fields of those before it.
     ///
     /// # Errors
     /// [`TooManyCells`] if some lie too far from zero for this edge; then nothing is added.
@@ -206,7 +205,8 @@ impl Cells {
         }
     }
 
-    /// One point a cell, with what all points had. Splats of several directions together have no ellipse.
+    /// One point per cell, with the attributes common to all points. Merged splats of several directions have no
+    /// ellipse.
     pub fn into_points(self) -> (Positions, Attributes) {
         let sums = &self.sums;
         let kinds = self.kinds.filter(|_| !sums.is_empty());
@@ -257,7 +257,7 @@ impl CellSums {
         self.normal.normalize_or_zero().to_array()
     }
 
-    /// Returns the radius of the merged point, which covers what each of its points covered in part.
+    /// Returns the radius of the merged point, which covers the area that its points covered in part.
     fn joined_radius(&self, edge: f64) -> f32 {
         (self.radius / f64::from(self.count)).max(0.5 * edge) as f32
     }
@@ -354,7 +354,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whichever way points come to be in their cells, at once or over finer ones, in one cloud or several.
+        /// The result is the same if points reach their cells at once or through finer ones, in one cloud or several.
         #[test]
         fn doubling_the_edge_matches_cells_of_that_edge(
             positions in prop::collection::vec(prop::array::uniform3(-4.0_f64..4.0), 1..60),

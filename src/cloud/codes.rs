@@ -1,4 +1,4 @@
-//! Numbers of axes and units in files and streams of our own. They are kept: new choices come last.
+//! Numbers of axes and units in files and streams of our own. They are stable: new choices come last.
 
 use super::{AxisConvention, LengthUnit};
 
@@ -26,7 +26,7 @@ pub(crate) fn code_of<T: PartialEq>(choices: &[T], choice: Option<T>) -> u8 {
     place.map_or(0, |place| place as u8 + 1)
 }
 
-/// The choice of a number; `None` of 0 and of numbers that nobody has given yet.
+/// The choice with a number; `None` for 0 and for numbers not assigned yet.
 pub(crate) fn choice_of<T: Copy>(choices: &[T], code: u32) -> Option<T> {
     choices.get(code.checked_sub(1)? as usize).copied()
 }

@@ -5,7 +5,7 @@
 pub struct Dropped {
     /// A clause, such as `lists of points are not read: neighbours`.
     pub what: String,
-    /// True if it is of interest to those who look at the file, too, and not only to those who convert it.
+    /// True if it matters to viewers of the file, too, and not only for conversions.
     pub is_noted: bool,
 }
 
@@ -18,7 +18,7 @@ impl Dropped {
         }
     }
 
-    /// Something that makes no difference to a picture.
+    /// A loss that makes no difference to the image.
     pub fn quiet(what: impl Into<String>) -> Self {
         Self {
             what: what.into(),

@@ -1,8 +1,8 @@
 //! Anisotropic extents of a splat, and how they are packed into 32 bits.
 //!
-//! An ellipse is a direction in the tangent plane and the ratio of its half axes; its size is that of the splat, whose
-//! radius is the *geometric mean* of both half axes. So a circle is the ellipse of ratio 1, and where disks are drawn
-//! instead, each covers the area of its ellipse. The longer half axis is radius / √ratio.
+//! An ellipse is a direction in the tangent plane and the ratio of its half axes; its size is the splat's, whose radius
+//! is the *geometric mean* of both half axes. So a circle is the ellipse of ratio 1, and where disks are drawn instead,
+//! each covers the area of its ellipse. The longer half axis is radius / √ratio.
 //!
 //! The upper 16 bits are the direction, the lower 16 the ratio in steps of 1/65535; 0 is a circle. The direction is `x
 //! / (|x| + y)` of its coordinates in the basis of Duff et al. (2017, *Building an Orthonormal Basis, Revisited*) to
@@ -28,8 +28,8 @@ impl Ellipse {
         ratio: 1.0,
     };
 
-    /// The ellipse of which two half diameters are `p` and `q`, each parallel to the tangents at the ends of the other:
-    /// what a linear map makes of the half axes of an ellipse. A circle where it has no area.
+    /// The ellipse with the half diameters `p` and `q`, each parallel to the tangents at the ends of the other: the
+    /// image of the half axes of an ellipse under a linear map. A circle where it has no area.
     pub fn of_conjugate_diameters(p: Vec3, q: Vec3) -> Self {
         // The squared length of p cos t + q sin t is its mean plus a wave of 2 t; its maximum is the longer half axis.
         let (mean, x, y) = (
@@ -153,7 +153,7 @@ mod tests {
             prop_assert_eq!(encode_ellipse(packed_normal, Ellipse { axis: -axis, ratio }), packed);
         }
 
-        /// The farthest and the nearest of many places on the rim are where the half axes end.
+        /// The farthest and the nearest of many places on the outline are the ends of the half axes.
         #[test]
         fn conjugate_diameters_and_semi_axes_describe_one_ellipse(
             p in prop::array::uniform3(-1.0f32..1.0),

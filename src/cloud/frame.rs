@@ -1,7 +1,7 @@
-//! A validated pose: finite f32 positions relative to the sequence origin, in Morton order.
+//! A validated frame: finite f32 positions relative to the sequence origin, in Morton order.
 //!
-//! Points that are close in space are close in memory: whoever reads the points around a point, or the texels under it,
-//! finds them in the cache. [`Frame::file_index`] leads back to the file.
+//! Points that are close in space are close in memory: reads of the points around a point, or of the texels under it,
+//! hit the cache. [`Frame::file_index`] leads back to the file.
 
 use super::attributes::{gather, usable_radii};
 use super::error::MAX_POINTS;
@@ -61,7 +61,7 @@ impl Frame {
         drop(moved);
         let mut attributes = raw.attributes;
         attributes.keep(&file_index);
-        // After all are at their places: a processor that waits for roots fetches little from memory meanwhile.
+        // After all are at their places: a CPU that waits for roots fetches little from memory meanwhile.
         let usable_radii = if attributes.radii.is_some() {
             usable_radii(positions.len(), |index| positions[index].as_dvec3())
         } else {
@@ -89,8 +89,8 @@ impl Frame {
         })
     }
 
-    /// [`Frame::from_raw`] of at most `max_points` points, taken evenly from the order of the file. Radii grow, so
-    /// that they cover what all cover.
+    /// [`Frame::from_raw`] of at most `max_points` points, taken evenly from the order of the file. Radii grow to cover
+    /// the surface of all points.
     pub fn from_raw_sample(mut raw: RawCloud, origin: DVec3, max_points: usize) -> Result<Self, CloudError> {
         let point_count = raw.positions.len();
         if point_count <= max_points {
@@ -103,7 +103,7 @@ impl Frame {
         Self::from_sampled(raw, origin, point_count)
     }
 
-    /// [`Frame::from_raw_sample`] of a file of `point_count` points of which `raw` has those that it takes.
+    /// [`Frame::from_raw_sample`] of a file of `point_count` points, where `raw` has only the sampled ones.
     ///
     /// # Panics
     /// Precondition: no more points than in the file.
@@ -142,8 +142,8 @@ impl Frame {
         self
     }
 
-    /// At most `max_points` of the points, and where each of them stands here: those that
-    /// [`Frame::from_raw_sample`] takes from the file. Radii of the file grow, so that they cover what all cover.
+    /// At most `max_points` of the points, and the index of each of them here: those that [`Frame::from_raw_sample`]
+    /// takes from the file. Radii of the file grow to cover the surface of all points.
     pub fn sample(&self, max_points: usize) -> Result<(Self, Vec<u32>), CloudError> {
         let (taken, dropped_points) = self.slots_of_sample(max_points);
         let mut attributes = self.attributes.gathered(&taken);
@@ -214,7 +214,7 @@ impl Frame {
         Ok(moved)
     }
 
-    /// The points at these slots with their `attributes`, and where each of them stands here.
+    /// The points at these slots with their `attributes`, and the index of each of them here.
     fn with_points(&self, taken: &[u32], attributes: Attributes) -> Result<(Self, Vec<u32>), CloudError> {
         let raw = RawCloud {
             attributes,
@@ -294,8 +294,8 @@ impl Frame {
         self.made_from.as_ref()
     }
 
-    /// Some points of the first frame of the sequence, by which is decided what all frames have in common; of this one
-    /// where it belongs to none.
+    /// Some points of the first frame of the sequence, which decide the settings common to all frames; points of this
+    /// frame where it belongs to no sequence.
     pub fn value_sample(&self) -> &Arc<ValueSample> {
         self.sample.0.get_or_init(|| {
             let (positions, colors) = (self.positions(), self.colors());
@@ -308,7 +308,7 @@ impl Frame {
         })
     }
 
-    /// Takes the sample of its sequence. Says nothing any more once it was asked for.
+    /// Takes the sample of its sequence. Has no effect once the sample was used.
     pub(crate) fn share_sample(&self, sample: Arc<ValueSample>) {
         _ = self.sample.0.set(sample);
     }
@@ -334,7 +334,7 @@ impl Frame {
         self.convention
     }
 
-    /// The unit of positions, if the file says it.
+    /// The unit of positions, if the file has it.
     pub fn unit(&self) -> Option<LengthUnit> {
         self.unit
     }
@@ -370,7 +370,7 @@ impl Frame {
         self.points_of_finer
     }
 
-    /// Returns the warnings about what could not be read of the file although its points could: see
+    /// Returns the warnings about parts of the file that could not be read although its points could: see
     /// [`RawCloud::warnings`].
     pub fn warnings(&self) -> &[String] {
         &self.warnings

@@ -1,15 +1,14 @@
-//! Source data of a cloud's points, for whoever can create them again.
+//! Source data of a cloud's points, for consumers that can create them again.
 //!
-//! **How it works.** A GPU creates the points of a depth image itself, from fewer bytes than these take. What it needs
-//! for that is known only to modules further right (`rgbd::DepthFrame`), and accompanies the cloud through all that is
-//! done to it before. So its type is not named here; whoever asks for it names it. Whatever changes or removes points
-//! drops it.
+//! **How it works.** A GPU creates the points of a depth image itself, from fewer bytes than these take. The data it
+//! needs for that is known only to later modules (`rgbd::DepthFrame`), and accompanies the cloud through all stages
+//! before. So its type is not named here; the consumer names it. Every change or removal of points drops it.
 
 use std::any::Any;
 use std::fmt;
 use std::sync::Arc;
 
-/// See the module's text. It says nothing about whether clouds are equal.
+/// See the module's text. Ignored when clouds are compared.
 #[derive(Clone)]
 pub struct MadeFrom {
     what: Arc<dyn Any + Send + Sync>,

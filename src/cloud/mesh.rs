@@ -1,8 +1,8 @@
-//! The triangles of a pose, and the vertices between them.
+//! The triangles of a frame, and the vertices between them.
 //!
-//! Vertices are a [`Frame`] of their own: where pictures show points that were sampled on the faces, these are not the
-//! vertices. So they are validated, coloured and found in the file as points are. As they stand in Morton order,
-//! triangles that are sorted by their first corner are near to their neighbours in the list.
+//! Vertices are a [`Frame`] of their own: where images show points sampled on the faces, these are not the vertices. So
+//! vertices are validated, coloured and found in the file like points. As they are in Morton order, triangles that are
+//! sorted by their first corner are near to their neighbours in the list.
 
 use super::{CloudError, Frame, RawCloud, Texturing, TriangleRecord, oct_encode};
 use glam::{DVec3, Vec3};
@@ -18,8 +18,8 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// The mesh of a decoded file, with its vertices moved to `origin` as the points of a frame are. Faces that name a
-    /// vertex twice, or one without finite coordinates, are no triangles.
+    /// The mesh of a decoded file, with its vertices moved to `origin` as the points of a frame are. Faces with a
+    /// repeated vertex, or one without finite coordinates, are dropped.
     pub fn from_raw(mut raw: RawCloud, origin: DVec3) -> Result<Self, CloudError> {
         let faces = mem::take(&mut raw.faces);
         let texturing = raw.texturing.take();
@@ -54,7 +54,7 @@ impl Mesh {
         &self.triangles
     }
 
-    /// Pictures on the triangles, one entry a vertex.
+    /// Textures of the triangles, one entry per vertex.
     pub fn texturing(&self) -> Option<&Texturing> {
         self.texturing.as_ref()
     }
@@ -81,8 +81,8 @@ impl Mesh {
         records
     }
 
-    /// The unit normals of the file, or where it has none the means of those of the faces around each vertex, by their
-    /// areas; zero where there is no face.
+    /// The unit normals of the file, or where it has none, the area-weighted means of the face normals around each
+    /// vertex; zero where there is no face.
     pub fn smooth_normals(&self) -> Vec<Vec3> {
         if let Some(normals) = self.vertices.normals() {
             return normals.to_vec();

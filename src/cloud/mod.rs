@@ -1,4 +1,4 @@
-//! One pose of a sequence: what a decoder read, the validated frame, and the records a renderer draws.
+//! One frame of a sequence: the decoder's output, the validated frame, and the records a renderer draws.
 
 mod attributes;
 mod cell_scalars;

@@ -3,15 +3,15 @@
 //!
 //! How it works: three bits name the octant (x, y, z negative). Its face is a spherical triangle; halving its edges,
 //! and putting the new corners back on the sphere, splits it into four, which two bits name: 0 is the central one, 1 to
-//! 3 are those at its corners. Five refinements make 13 bits, six 15, seven 17. Finer detail is encoded in lower bits,
-//! so an index with those dropped is that of the triangle around, and one index serves every precision.
+//! 3 are at its corners. Five refinements make 13 bits, six 15, seven 17. Finer detail is encoded in lower bits, so an
+//! index without them names the enclosing triangle, and one index serves every precision.
 //!
 //! A triangle stands for the direction of its centroid. The normal of the flat triangle, which the paper takes, is its
 //! circumcentre, and at the corners of the octahedron, where triangles stay right-angled however small they are, that
 //! is a point on the edge to a neighbour.
 //!
 //! When it wins: where something is computed for directions instead of points (light, footprints of splats), as a table
-//! of all of 13 bits has 8192 entries; and where normals are stored. The octahedral coordinates of
+//! of all indices of 13 bits has 8192 entries; and where normals are stored. The octahedral coordinates of
 //! [`super::oct_encode`] are quicker to decode, and more precise for their bits, but do not name the directions one by
 //! one.
 
@@ -24,7 +24,7 @@ const FINEST_LEVEL: u32 = 7;
 /// Bits of the finest indices.
 pub const FINEST_NORMAL_BITS: u32 = bits(FINEST_LEVEL);
 
-/// Bits of an index after so many refinements.
+/// Bits of an index after `level` refinements.
 const fn bits(level: u32) -> u32 {
     3 + 2 * level
 }
@@ -82,8 +82,8 @@ fn corner_planes(triangle: &[Vec3; 3]) -> [Vec3; 3] {
     [ab.cross(ca), bc.cross(ab), ca.cross(bc)]
 }
 
-/// The index of a direction after `level` refinements (7 at most): `3 + 2·level` bits. Length does not matter; what has
-/// none, or is no number, has some index.
+/// The index of a direction after `level` refinements (7 at most): `3 + 2·level` bits. Length does not matter; zero and
+/// NaN have some index.
 pub fn quantise_direction(direction: Vec3, level: u32) -> u32 {
     let negative = |axis: usize| u32::from(direction[axis] < 0.0) << axis;
     let octant = negative(0) | negative(1) | negative(2);
@@ -114,13 +114,13 @@ pub fn quantised_directions(level: u32) -> &'static [Vec3] {
     &DIRECTIONS[level.min(FINEST_LEVEL) as usize]
 }
 
-/// The unit vectors of all indices with so many bits: 13, 15 or 17, or another odd number from 3 on.
+/// The unit vectors of all indices with this many bits: 13, 15 or 17, or another odd number from 3 on.
 pub fn quantised_normals(bits: u32) -> &'static [Vec3] {
     quantised_directions(bits.saturating_sub(3) / 2)
 }
 
-/// The largest angle between a unit vector and what its index of so many bits stands for, in radians: of no place in a
-/// triangle farther than of a corner, and 2.5° at 13 bits.
+/// The largest angle between a unit vector and the decoded direction of its index, in radians: no place in a triangle
+/// is farther than a corner, and 2.5° at 13 bits.
 pub fn largest_normal_error(bits: u32) -> f32 {
     LARGEST_ERRORS[(bits.saturating_sub(3) / 2).min(FINEST_LEVEL) as usize]
 }
@@ -185,8 +185,7 @@ mod tests {
         }
     }
 
-    /// The middle part of a triangle has its direction, which is what lets an index with zeros for low bits stand for
-    /// it.
+    /// The central part of a triangle has its direction, so an index with zeros for low bits can stand for it.
     #[test]
     fn central_subtriangles_have_the_direction_of_their_parent() {
         for (index, &normal) in quantised_normals(13).iter().enumerate() {

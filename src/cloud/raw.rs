@@ -84,12 +84,11 @@ pub enum AxisConvention {
     YUp,
     /// Z is up: maps and surveys, LAS among them.
     ZUp,
-    /// Z is up in most files of the format, though nothing says that it must be: KITTI, PTX, E57, ROS, STL.
+    /// Z is up in most files of the format, by convention only: KITTI, PTX, E57, ROS, STL.
     UsuallyZUp,
     /// Right, down, forward: a cloud in the optical frame of a camera.
     Camera,
-    /// Y is down in most files, though nothing says that it must be: Gaussian splats, which are trained in the axes of
-    /// a camera.
+    /// Y is down in most files, by convention only: Gaussian splats, which are trained in the axes of a camera.
     UsuallyYDown,
 }
 
@@ -146,7 +145,7 @@ impl FromStr for ColorDepth {
     }
 }
 
-/// A decoded point cloud. Every attribute that is there has one entry a point; [`super::Frame::from_raw`] checks it.
+/// A decoded point cloud. Every present attribute has one entry per point; [`super::Frame::from_raw`] checks it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RawCloud {
     /// Coordinates; holes of organised clouds are NaN.
@@ -154,19 +153,19 @@ pub struct RawCloud {
     /// Point attributes in addition to positions.
     // One more indirection per access, but flat fields would be listed again in `Frame` and in every conversion.
     pub attributes: Attributes,
-    /// The image that the points are, line by line, in an organised cloud; of a sample, that of all points.
+    /// The image grid of an organised cloud, line by line; of a sample, the grid of all points.
     pub grid: Option<ImageGrid>,
     /// Source data of positions and colours, as long as these are unchanged.
     pub made_from: Option<MadeFrom>,
     /// True if the colours were found as 0 to 255 in fields of 16 bits, which other programs may show black.
     pub has_narrow_colors: bool,
-    /// The range that was concluded from the colours; `None` if their type says it.
+    /// The range that was concluded from the colours; `None` if their type determines it.
     pub color_depth: Option<ColorDepth>,
     /// Triangles of a mesh: indices of three points each, all below the number of points. Empty where there is no mesh.
     pub faces: Vec<[u32; 3]>,
     /// Triangles that the file has and `faces` has not: points were sampled on them, or vertices skipped.
     pub skipped_faces: usize,
-    /// Pictures on the faces, where their colours are not those of the points already.
+    /// Textures of the faces, unless their colours are in the points already.
     pub texturing: Option<Texturing>,
     /// Sensor position in file coordinates, if the file states it: normals are oriented towards it.
     pub sensor: Option<DVec3>,
@@ -209,8 +208,8 @@ impl RawCloud {
         }
     }
 
-    /// Leaves the points at `indices`, in their order, and neither faces with their pictures nor grid, nor what they
-    /// were made from. Precondition: each is below the number of points and of the entries of every attribute.
+    /// Keeps the points at `indices`, in their order; drops faces and textures, the grid, and the source data.
+    /// Precondition: each is below the number of points and of the entries of every attribute.
     pub fn keep(&mut self, indices: &[u32]) {
         self.positions = match &self.positions {
             Positions::F32(positions) => Positions::F32(gather(positions, indices)),
@@ -268,7 +267,7 @@ impl RawCloud {
         self.made_from = None;
     }
 
-    /// Names of what each point has, positions first.
+    /// Names of the point attributes, positions first.
     pub fn point_names(&self) -> Vec<String> {
         let names = std::iter::once("position").chain(self.attributes.names());
         names.map(str::to_owned).collect()

@@ -1,10 +1,10 @@
-//! Subsampling: the points that stand for all of them where there is no time for all.
+//! Subsampling: points that represent all of them where there is no time for all.
 //!
 //! Points are taken evenly from the order of the file: one out of each of N equal parts, at an index that differs from
-//! part to part. So a sample requires no look at the coordinates, organised clouds do not lose whole columns, and equal
+//! part to part. So a sample does not need the coordinates, organised clouds do not lose whole columns, and equal
 //! clouds have equal samples.
 
-/// `max` places of `0..count`, ascending, one in each of as many equal parts; all where there are no more.
+/// `max` places of `0..count`, ascending, one in each of `max` equal parts; all where there are no more.
 pub(crate) fn even_places(count: usize, max: usize) -> Vec<usize> {
     if count <= max {
         return (0..count).collect();

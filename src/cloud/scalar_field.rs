@@ -34,7 +34,7 @@ impl ScalarField {
         }
     }
 
-    /// Numbers of double precision, of which the smallest finite one becomes the offset if single precision loses
+    /// A field of double-precision numbers; the smallest finite one becomes the offset if single precision loses
     /// digits.
     pub fn from_f64(name: impl Into<String>, values: &[f64]) -> Self {
         /// Values that are worth handing to another thread.

@@ -1,8 +1,8 @@
-//! Pictures on the surface of a mesh.
+//! Textures of a mesh.
 
 use image::{RgbaImage, imageops};
 
-/// Pictures, one behind the other, as renderers read them.
+/// Textures, one after the other, as renderers read them.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Textures {
     texels: Vec<[u8; 4]>,
@@ -24,10 +24,10 @@ pub struct TexturePlace {
 }
 
 impl Textures {
-    /// Most texels of all pictures together: half of what every adapter binds.
+    /// Max texels of all textures together: half of what every adapter can bind.
     pub const MAX_TEXELS: usize = 1 << 24;
 
-    /// These pictures. While they are too large together, the largest is halved. Those without pixels are one white
+    /// These images as textures. While they are too large together, the largest is halved. An empty image is one white
     /// texel.
     pub fn of(mut pictures: Vec<RgbaImage>) -> Self {
         let texels = |picture: &RgbaImage| picture.width() as usize * picture.height() as usize;
@@ -71,11 +71,11 @@ impl Textures {
         &self.places
     }
 
-    /// Display-referred red, green and blue at a place of a picture, 0 to 1: between the four texels around it. A
-    /// coordinate of 1 is the width or the height, beyond which the picture repeats.
+    /// Display-referred red, green and blue at a place of a texture, 0 to 1: bilinear. A coordinate of 1 is the width
+    /// or the height, beyond which the texture repeats.
     ///
     /// # Panics
-    /// Precondition: there is such a picture.
+    /// Precondition: the texture exists.
     pub fn color(&self, texture: usize, place: [f32; 2]) -> [f32; 3] {
         let picture = &self.places[texture];
         let [left, right, x] = between(place[0], picture.width);

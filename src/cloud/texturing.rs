@@ -7,9 +7,9 @@ use std::sync::Arc;
 /// Texture mapping: the texture image of each vertex, and its texture coordinates there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Texturing {
-    /// The pictures.
+    /// The textures.
     pub textures: Arc<Textures>,
-    /// Index of the picture of each vertex; `None` for one without.
+    /// Index of the texture of each vertex; `None` for one without.
     pub texture_of_vertex: Vec<Option<u32>>,
     /// Texture coordinates of each vertex in its image, 0 to 1 from left to right and from top to bottom.
     pub places: Vec<[f32; 2]>,

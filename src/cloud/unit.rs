@@ -1,6 +1,6 @@
 //! Length units: the meaning of one step of a coordinate.
 
-/// The unit of coordinates, where a format or a file says it.
+/// The unit of coordinates, where a format or a file defines it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LengthUnit {
     /// Metres.
@@ -50,7 +50,7 @@ impl LengthUnit {
         }
     }
 
-    /// The unit of so many metres.
+    /// The unit of this many metres.
     pub fn of_metres(metres: f64) -> Option<Self> {
         let units = [
             Self::Metre,

@@ -1,9 +1,9 @@
-//! Some points of the first frame of a sequence: what is decided once for all of its frames is decided by them.
+//! Some points of the first frame of a sequence: they decide the settings common to all of its frames.
 //!
-//! How it works: points are taken evenly from the order of the file, so the sample costs no look at the rest of them,
-//! and equal files have equal samples. Each frame of a sequence shares the one of the first frame that can be read
-//! ([`super::Frame::value_sample`]), so what follows from it is the same for all frames, whichever of them was seen
-//! before. Values are sorted when they are first asked for.
+//! How it works: points are taken evenly from the order of the file, so the sample does not read the rest of them, and
+//! equal files have equal samples. Each frame of a sequence shares the one of the first frame that can be read
+//! ([`super::Frame::value_sample`]), so its results are the same for all frames, whichever of them was seen first.
+//! Values are sorted when they are first needed.
 
 use super::{RawCloud, ScalarField, even_places};
 use crate::locks::lock;
@@ -14,7 +14,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 /// Most points of a sample: enough that a percentile is a tenth of a percent off.
 pub(crate) const MAX_SAMPLE: usize = 1 << 15;
 
-/// Kinds of values that are kept sorted.
+/// Max number of sorted value kinds that are cached.
 const MAX_RETAINED: usize = 32;
 
 /// A number of each point.
@@ -28,7 +28,7 @@ pub enum ValueKind {
     From(Vec3),
 }
 
-/// Points of a frame with what they have.
+/// Points of a frame with their attributes.
 #[derive(Debug, Default)]
 pub struct ValueSample {
     /// Finite positions relative to `origin`.
@@ -44,7 +44,7 @@ pub struct ValueSample {
     /// The origin of the sequence in file coordinates.
     pub origin: DVec3,
     has_telling_colors: OnceLock<bool>,
-    /// Ascending finite values that were asked for.
+    /// Ascending finite values, as requested.
     sorted: Mutex<Vec<(ValueKind, Arc<[f32]>)>>,
 }
 
@@ -74,8 +74,8 @@ impl ValueSample {
         }
     }
 
-    /// Adds values of the scalar fields of another frame, with the weight of those that are there: the range of a field
-    /// is that of all frames.
+    /// Adds values of the scalar fields of another frame, with the weight of the existing ones: a field has one range
+    /// for all frames.
     pub(crate) fn add_scalars_of(&mut self, raw: &RawCloud) {
         self.further.resize(self.scalars.len(), Vec::new());
         for (field, further) in self.scalars.iter().zip(&mut self.further) {
@@ -117,8 +117,8 @@ impl ValueSample {
         }
     }
 
-    /// Returns true if the file's colours carry information: they are not all the same, nor all black or white, which
-    /// is what programs without colours write.
+    /// Returns true if the file's colours carry information: they are not all the same, nor all black or white, as
+    /// programs without colours write.
     pub fn has_telling_colors(&self) -> bool {
         *self.has_telling_colors.get_or_init(|| {
             let colors = self.colors.as_deref().unwrap_or_default();
@@ -169,7 +169,7 @@ impl ValueSample {
     }
 }
 
-/// The sample of a frame, which says nothing about whether frames are equal.
+/// The sample of a frame, ignored when frames are compared.
 #[derive(Debug, Clone, Default)]
 pub(super) struct SharedSample(pub(super) OnceLock<Arc<ValueSample>>);
 

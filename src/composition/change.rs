@@ -23,7 +23,7 @@ struct ChangeStep {
     to: usize,
     range: Option<f64>,
     map: ColorMap,
-    /// Distances that were measured before, else the frame to measure to: no matter for what comes of it.
+    /// Distances that were measured before, else the frame to measure to: the result is the same.
     source: Source,
 }
 
@@ -61,7 +61,7 @@ fn step(inputs: &Inputs<'_>, problems: &mut Vec<Problem>) -> Option<Arc<dyn Step
 }
 
 impl ChangeStep {
-    /// The distances; `None` if the other frame has no points or nobody waits for them any more.
+    /// The distances; `None` if the other frame has no points or the task was cancelled.
     fn measure(&self, pose: &PreparedFrame, progress: &Progress) -> Result<Option<Arc<Change>>, FrameError> {
         let is_wanted = || !progress.is_cancelled();
         let positions = pose.frame.positions();

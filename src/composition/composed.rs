@@ -1,4 +1,4 @@
-//! A frame on its way through the stages.
+//! A frame between the stages.
 
 use crate::measure::Change;
 use crate::messages::frame_with_index;
@@ -11,7 +11,7 @@ use std::sync::Arc;
 pub struct Composed {
     /// The frame that is drawn.
     pub frame: Arc<PreparedFrame>,
-    /// The pose in it: the same, or what it was made from.
+    /// The frame in it: the same, or the one it was derived from.
     pub pose: Arc<PreparedFrame>,
     /// Distances of its points to another frame, if its colours show them.
     pub change: Option<Measured>,
@@ -49,7 +49,7 @@ impl Composed {
 /// A frame with levels of detail, and settings that draw it by these.
 #[derive(Debug, Clone)]
 pub struct Coarse {
-    /// Coarse frame with the same points as the frame that it stands for.
+    /// Coarse frame with the same points as the frame that it replaces.
     pub frame: Arc<PreparedFrame>,
     /// See [`in_cells`](super::in_cells).
     pub style: Style,

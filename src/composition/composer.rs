@@ -1,4 +1,4 @@
-//! Runs stages: all at once, or those of a lane where the window wants them to run.
+//! Runs stages: all at once, or by lane where the window schedules them.
 
 use super::composed::{Composed, Problem};
 use super::inputs::{Inputs, StandIns};
@@ -25,7 +25,7 @@ pub fn compose(pose: &Arc<PreparedFrame>, inputs: &Inputs<'_>) -> Result<Compose
     Ok(composed)
 }
 
-/// Runs the stages of [`Lane::View`]: frames of the window that stand for what is composed.
+/// Runs the stages of [`Lane::View`]: stand-ins of the window for the composed frame.
 #[must_use]
 pub fn with_stand_ins(mut composed: Composed, style: &Style, stand_ins: StandIns) -> Composed {
     let pose = Arc::clone(&composed.pose);
@@ -46,7 +46,7 @@ pub struct Request {
 }
 
 impl Request {
-    /// The steps of a lane that apply to `pose`, which is that of `inputs`; `None` if none does.
+    /// The steps of a lane that apply to `pose`, the frame of `inputs`; `None` if none does.
     pub fn gather(lane: Lane, pose: &Arc<PreparedFrame>, inputs: &Inputs<'_>) -> Option<Self> {
         let mut problems = Vec::new();
         let stages = STAGES.iter().filter(|stage| stage.lane == lane);

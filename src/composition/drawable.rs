@@ -3,7 +3,7 @@
 use crate::scene::{Primitive, Style};
 use crate::sequence::PreparedFrame;
 
-/// True if `frame` has what is drawn in a style.
+/// True if `frame` has the data to draw a style.
 pub fn can_draw(frame: &PreparedFrame, style: &Style) -> bool {
     match style.primitive {
         Primitive::Surfel | Primitive::Sprite => {

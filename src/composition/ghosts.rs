@@ -11,7 +11,7 @@ use crate::sequence::{ColorSource, Coloring, Needs, PrepareCounters, PreparedFra
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Another pose in the picture of one.
+/// Another frame in the image of one.
 #[derive(Debug, Clone)]
 pub struct Ghost {
     /// The pose.
@@ -46,8 +46,8 @@ impl Ghost {
     }
 }
 
-/// Merges the points of `pose` as they are drawn and those of `ghosts`, with what `needs` ask for except colours. Where
-/// surfels are asked for, ghosts without shapes are skipped.
+/// Merges the points of `pose` as they are drawn and those of `ghosts`, with everything in `needs` except colours.
+/// Where surfels are needed, ghosts without shapes are skipped.
 pub fn with_ghosts(pose: &PreparedFrame, ghosts: &[Ghost], needs: &Needs) -> Result<PreparedFrame, CloudError> {
     let has_shapes = pose.shapes.is_some() && needs.shapes;
     let (mut positions, mut colors, mut shapes) = (Vec::new(), Vec::new(), Vec::new());
@@ -91,7 +91,7 @@ pub fn with_ghosts(pose: &PreparedFrame, ghosts: &[Ghost], needs: &Needs) -> Res
         ..*needs
     };
     let counters = PrepareCounters::default();
-    // What a legend says about the pose stays true.
+    // The legend of the frame stays valid.
     Ok(prepare(pose.index, frame, 0.0, &needs, &counters).painted_as(pose))
 }
 

@@ -27,7 +27,7 @@ pub trait Frames: fmt::Debug {
         Err(FrameError::NoSuchFrame { index, count })
     }
 
-    /// Frame `index` for drawing; `None` if it is not there and nobody waits for it.
+    /// Frame `index` for drawing; `None` if it is not resident and must not be waited for.
     ///
     /// # Errors
     /// If it cannot be read.
@@ -47,7 +47,7 @@ pub trait Frames: fmt::Debug {
         None
     }
 
-    /// The distances of `pose` to frame `to`, if they were kept.
+    /// The distances of `pose` to frame `to`, if they are cached.
     fn known_change(&self, _pose: &PreparedFrame, _to: usize) -> Option<Arc<Change>> {
         None
     }
@@ -58,11 +58,11 @@ pub trait Frames: fmt::Debug {
 pub enum WholeFrame {
     /// In memory.
     InMemory(Arc<PreparedFrame>),
-    /// To be read by whoever runs the step.
+    /// To be read when the step runs.
     InFile(Arc<Sequence>),
 }
 
-/// Frames that stand for the composed one in the window.
+/// Stand-ins for the composed frame in the window.
 #[derive(Debug, Clone, Default)]
 pub struct StandIns {
     /// Surfels of the visible points, for a frame whose own are not there.
@@ -76,7 +76,7 @@ pub struct StandIns {
 pub struct Inputs<'a> {
     /// The frame of the sequence.
     pub pose: &'a PreparedFrame,
-    /// The choices of a person.
+    /// The choices of the user.
     pub options: &'a ComposeOptions,
     /// The settings, resolved.
     pub style: &'a Style,

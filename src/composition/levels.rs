@@ -16,7 +16,7 @@ pub(super) const STAGE: Stage = Stage {
     step,
 };
 
-/// Returns the settings changed to draw as many cells of the octree as can be drawn in `frame_ms`.
+/// Returns the settings changed to draw the number of octree cells that fit in `frame_ms`.
 #[must_use]
 pub fn in_cells(style: &Style, frame_ms: f32) -> Style {
     style.with(|style| {

@@ -1,5 +1,5 @@
 //! Composition from the frame of a sequence to the packet of an image: one ordered list of stages ([`STAGES`]), for all
-//! that draw.
+//! renderings.
 //!
 //! | stage | takes | applies | gives |
 //! |---|---|---|---|
@@ -12,12 +12,12 @@
 //! | levels | the frame with levels of detail | [`StandIns::coarse`] | fewer records while the camera moves |
 //! | packet | the camera | always | the packet ([`packet`]) |
 //!
-//! **How it works.** A stage looks at the [`Inputs`] and gives a [`Step`] where it applies: all that it takes for one
-//! frame, held by identity. Whoever waits ([`compose`]: headless images, exports, thumbnails) runs stage after stage.
-//! The window gathers the steps of one [`Lane`] into a [`Request`], starts it on a task if it differs from the last
-//! one, and shows the plain frame meanwhile.
+//! **How it works.** A stage examines the [`Inputs`] and gives a [`Step`] where it applies: all of its inputs for one
+//! frame, compared by identity. Blocking callers ([`compose`]: headless images, exports, thumbnails) run stage after
+//! stage. The window gathers the steps of one [`Lane`] into a [`Request`], starts it on a task if it differs from the
+//! last one, and shows the plain frame meanwhile.
 //!
-//! A new stage is a file with its [`Step`], a row in `stages.rs`, and what it takes in [`ComposeOptions`].
+//! A new stage is a file with its [`Step`], a row in `stages.rs`, and its options in [`ComposeOptions`].
 
 mod change;
 mod composed;

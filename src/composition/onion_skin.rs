@@ -4,7 +4,7 @@
 const PAST_TINT: [u8; 3] = [255, 150, 60];
 const FUTURE_TINT: [u8; 3] = [70, 160, 255];
 
-/// Neighbouring poses in the same picture.
+/// Neighbouring frames in the same image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OnionSkin {
     /// Visibility of the onion skin.
@@ -23,8 +23,7 @@ impl OnionSkin {
     /// Most ghosts on either side.
     pub const MAX_GHOSTS: usize = 8;
 
-    /// The poses of `frame_count` that are drawn around `index`: which, and as what share of their points in what
-    /// colour.
+    /// The frames of `frame_count` drawn around `index`: index, share of points and colour of each.
     pub fn around(&self, index: usize, frame_count: usize) -> Vec<(usize, f32, [u8; 3])> {
         let side = |count: usize, tint, is_past: bool| {
             (1..=count).filter_map(move |place| {

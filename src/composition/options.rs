@@ -1,4 +1,4 @@
-//! Choices of a person about what is made of a frame, the same for all frames.
+//! User options of the composition, the same for all frames.
 
 use super::onion_skin::OnionSkin;
 use super::trails::Trails;
@@ -11,7 +11,7 @@ pub struct ComposeOptions {
     pub change: Option<ChangeColors>,
     /// Neighbouring poses.
     pub onion: Option<OnionSkin>,
-    /// The ways of points, and how each is drawn.
+    /// Trajectories of points, and their looks.
     pub trails: Option<(Arc<Trails>, Vec<TrailLook>)>,
     /// Indices of the input images that are excluded from view-dependent texturing.
     pub skipped_photos: Vec<usize>,
@@ -37,7 +37,7 @@ pub struct ChangeColors {
 }
 
 impl ChangeColors {
-    /// The frame that `index` is compared with; `None` where a sequence of so many has no such frame.
+    /// The frame that `index` is compared with; `None` where a sequence of `frame_count` has no such frame.
     pub fn other_frame(&self, index: usize, frame_count: usize) -> Option<usize> {
         let other = i64::try_from(index).ok()?.checked_add(self.step)?;
         usize::try_from(other).ok().filter(|&other| other < frame_count)
@@ -49,9 +49,9 @@ impl ChangeColors {
 pub struct TrailLook {
     /// Index of the trail.
     pub trail: usize,
-    /// Its colour; what is still to come is half as bright.
+    /// Its colour; the future part is half as bright.
     pub tint: [u8; 3],
-    /// Only so many frames before the shown one; all of them, and those to come, if `None`.
+    /// Number of frames before the shown one; all frames, including later ones, if `None`.
     pub length: Option<usize>,
 }
 

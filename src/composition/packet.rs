@@ -1,4 +1,4 @@
-//! The last stage: what is composed becomes the packet of one picture.
+//! The last stage: the composed frame becomes the packet of one image.
 
 use super::composed::Composed;
 use crate::scene::{Camera, PhotoDepths, Scene, ScenePacket, Style};
@@ -6,14 +6,14 @@ use crate::sequence::PreparedFrame;
 use glam::DVec3;
 use std::sync::Arc;
 
-/// From where a picture shows a frame.
+/// Viewpoint of an image of a frame.
 #[derive(Debug, Clone, Copy)]
 pub struct PictureView<'a> {
     /// The camera, in world coordinates.
     pub camera: &'a Camera,
     /// World coordinates that positions of the frame are relative to.
     pub origin: DVec3,
-    /// Width and height of the picture.
+    /// Width and height of the image.
     pub size_px: [u32; 2],
 }
 
@@ -42,7 +42,7 @@ impl<'a> From<&'a PreparedFrame> for Drawn<'a> {
     }
 }
 
-/// The packet of a picture. `scene` remembers the last one, so that an equal one has the same allocations.
+/// The packet of an image. `scene` remembers the last one, so that an equal one has the same allocations.
 pub fn packet<'a>(
     scene: &mut Scene,
     drawn: impl Into<Drawn<'a>>,

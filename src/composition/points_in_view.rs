@@ -6,8 +6,8 @@
 //! The nearest points themselves would not be: on a floor seen at a grazing angle they lie in rows, which define no
 //! plane, and of partly occluded surfaces there would be too few.
 //!
-//! **When it wins.** It costs one read of the positions, and what is estimated afterwards depends on the image alone:
-//! estimating the surfels of a view takes the same time for any number of points.
+//! **When it wins.** It costs one read of the positions, and later estimates depend on the image alone: estimating the
+//! surfels of a view takes the same time for any number of points.
 
 use crate::cloud::even_places;
 use crate::scene::{Clip, ViewTransform};
@@ -15,10 +15,10 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Number of consecutive points that are kept or subsampled together: few enough that most are visible when one is.
+/// Number of consecutive points that are subsampled or dropped together: few enough that most are visible when one is.
 const POINTS_PER_PIECE: usize = 256;
 
-/// Most points that are kept, about: their surface is estimated in a fifth of a second on two threads.
+/// Approximate max number of points: their surface is estimated in a fifth of a second on two threads.
 // 0.4 s with the estimation of all 13.8 million points of a cloud running alongside.
 const MAX_POINTS: f64 = (1 << 19) as f64;
 
@@ -28,11 +28,12 @@ const MAX_PIXELS: usize = 1 << 20;
 /// No point is seen there.
 const EMPTY: u64 = u64::MAX;
 
-/// The slots, ascending, of points that make a picture of `viewport_px` from `view`: of each piece of the cloud that is
-/// seen as many as the picture can tell apart, about 2¹⁹ in all at most. `clip`, relative to the origin of the
-/// positions, hides points from sight.
+/// The slots, ascending, of points for an image of `viewport_px` from `view`: of each visible piece of the cloud the
+/// number that the image can resolve, about 2¹⁹ in all at most. `clip`, relative to the origin of the positions, hides
+/// points from sight.
 ///
-/// Precondition: `positions` are in Morton order; in another one more points than necessary are kept, of larger pieces.
+/// Precondition: `positions` are in Morton order; in another one more points than necessary are returned, of larger
+/// pieces.
 pub fn points_in_view(
     positions: &[Vec3],
     view: &ViewTransform,
@@ -79,7 +80,7 @@ pub fn points_in_view(
     retained.collect()
 }
 
-/// The pixels of a picture, or larger squares where it has too many.
+/// The pixels of an image, or larger squares where it has too many.
 struct PixelGrid<'a> {
     view: &'a ViewTransform,
     size: [usize; 2],

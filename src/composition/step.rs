@@ -1,4 +1,4 @@
-//! One stage, and what it does to one frame.
+//! One stage, and its step on one frame.
 
 use super::composed::{Composed, Problem};
 use super::inputs::Inputs;
@@ -15,7 +15,7 @@ pub enum Lane {
     Poses,
     /// Depends on the input images: runs as a task in a pool of its own, also for the frames that follow.
     Photos,
-    /// Depends on the camera: for each picture, of what tasks have made ([`StandIns`](super::StandIns)).
+    /// Depends on the camera: for each image, from the results of tasks ([`StandIns`](super::StandIns)).
     View,
 }
 
@@ -43,7 +43,7 @@ pub trait Step: Any + fmt::Debug + Send + Sync {
     /// Returns true if both steps turn a frame into the same result; other frames are compared by identity.
     fn is_same(&self, other: &dyn Step) -> bool;
 
-    /// Changes what is composed so far. What it leaves once `progress` is cancelled is not drawn.
+    /// Changes the frame composed so far. Its result is not drawn once `progress` is cancelled.
     ///
     /// # Errors
     /// If the frame would have more points than a frame can have; it is as before then.

@@ -23,14 +23,14 @@ pub struct Conversion {
     pub format: WriteFormat,
     /// Output target.
     pub output: Output,
-    /// Write frames that are there already, whoever wrote them with whatever options.
+    /// Overwrite existing frames, even of other programs or options.
     pub overwrites: bool,
     /// Human-readable description of how the inputs are read, where that changes frames.
     pub reading: String,
 }
 
 impl Conversion {
-    /// The format that is written, for people.
+    /// Display name of the output format.
     pub fn target_name(&self) -> String {
         match self.output {
             Output::Reel(..) => "reel".to_owned(),
@@ -49,8 +49,8 @@ impl Conversion {
     }
 }
 
-/// A share of the frames: those whose index leaves `index` when divided by `count`; of a sequence file, the `index`-th
-/// of as many runs.
+/// A share of the frames: those whose index modulo `count` is `index`; of a sequence file, the `index`-th of `count`
+/// runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
     /// Index of the shard, from 0.
@@ -99,7 +99,7 @@ pub enum Output {
     /// Frames to files in this folder, named as those that they were read from, or by their number and, if they have
     /// one, their time.
     Folder(PathBuf),
-    /// Frames to this sequence file, kept so.
+    /// All frames to this sequence file, encoded with these options.
     Reel(PathBuf, ReelOptions),
 }
 

@@ -208,7 +208,7 @@ fn join_in_cells(cloud: &mut RawCloud, edge: f64) -> Result<(), EditError> {
     Ok(())
 }
 
-/// Leaves `count` points, evenly spread: every so many-th along the Morton order.
+/// Keeps `count` points, evenly spaced along the Morton order.
 fn subsample(cloud: &mut RawCloud, count: usize) {
     let (finite_count, Some((min, max))) = cloud.positions.finite_bounds() else {
         return;
@@ -235,7 +235,7 @@ fn subsample(cloud: &mut RawCloud, count: usize) {
     cloud.keep(&retained);
 }
 
-/// Moves the points onto the surface around them, and says so in the warnings. Normals stay.
+/// Moves the points onto the surface around them, and adds a warning. Normals stay.
 fn move_onto_surface(cloud: &mut RawCloud, radius_spacings: f32) -> Result<(), EditError> {
     let (_, Some((min, max))) = cloud.positions.finite_bounds() else {
         return Ok(());
@@ -248,7 +248,7 @@ fn move_onto_surface(cloud: &mut RawCloud, radius_spacings: f32) -> Result<(), E
         .collect();
     let places = frame.positions().iter().zip(&smoothed.positions);
     for (&index, (&from, &to)) in frame.file_index().iter().zip(places) {
-        // What did not move keeps all digits of the file.
+        // Points that did not move keep all digits of the file.
         let position = &mut moved[index as usize];
         *position = (DVec3::from_array(*position) + (to - from).as_dvec3()).to_array();
     }

@@ -30,7 +30,7 @@ pub enum ConvertError {
     /// A sequence file cannot be written or read.
     #[error(transparent)]
     Reel(#[from] crate::reel::ReelError),
-    /// It would be written over what is read, or next to it.
+    /// The output would overwrite the input, or lie next to it.
     #[error(
         "the output {} is where the input {} is: nothing was written, choose another folder or name",
         path.display(),
@@ -39,10 +39,10 @@ pub enum ConvertError {
     OutputIsInput {
         /// The output.
         path: PathBuf,
-        /// The input that is there.
+        /// The input at that location.
         input: PathBuf,
     },
-    /// Files of somebody else have the names of frames.
+    /// Foreign files have the names of frames.
     #[error(
         "{} is there already{}, and no record says that this conversion has written it: nothing was written, choose \
          another output, or --overwrite to replace {}",
@@ -82,7 +82,7 @@ pub enum ConvertError {
         path: PathBuf,
         /// The process, and its machine.
         holder: String,
-        /// The file that says so.
+        /// The lock file.
         lock: PathBuf,
     },
     /// Files that cannot be joined.

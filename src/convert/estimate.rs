@@ -1,8 +1,8 @@
 //! Estimate of the output of a conversion from a few sample frames: sizes and errors before anything is written.
 //!
 //! How it works: a frame is encoded in memory as the conversion would do it, and read back. In a sequence file it is
-//! encoded in a group with neighbouring frames. Each of them stands for the frames at its position in all groups; the
-//! mean of those behind the first one stands for positions that the sample does not cover. Bytes of directories are
+//! encoded in a group with neighbouring frames. Each of them represents the frames at its position in all groups; the
+//! mean of those behind the first one represents positions that the sample does not cover. Bytes of directories are
 //! distributed over the frames.
 
 use super::error::ConvertError;
@@ -23,8 +23,8 @@ use std::sync::Arc;
 /// A cloud that takes more memory is judged alone, without the one before it.
 const MAX_BYTES_OF_TWO: usize = 128 << 20;
 
-/// Frames that are encoded together in this much memory: the coder of small frames learns from one to the next, that
-/// of large ones has learnt all before the first one ends.
+/// Frames that are encoded together in this much memory: the coder keeps learning over many small frames; on large ones
+/// it has learnt everything before the first one ends.
 const BYTES_OF_MANY: usize = 1 << 20;
 
 /// Frames of a group of the usual options.
@@ -33,7 +33,7 @@ const MAX_FRAMES: usize = 10;
 /// Bytes of each kind of stream, in the order of [`StreamKind::ALL`].
 type BytesByStream = [f64; StreamKind::ALL.len()];
 
-/// As what frames are written.
+/// Target format of frames.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Target {
     /// One sequence file.
@@ -97,7 +97,7 @@ pub struct SampleEstimate {
     pub losses: Losses,
 }
 
-/// Estimate of a frame for the alternative point treatment: points merged, or every point kept.
+/// Estimate of a frame for the alternative point treatment: points merged, or every point retained.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OtherWay {
     /// Points that are left.
@@ -106,7 +106,7 @@ pub struct OtherWay {
     pub bytes: f64,
 }
 
-/// The other way to keep points.
+/// The alternative point treatment.
 fn other_way(options: &ReelOptions) -> Option<ReelOptions> {
     let precision = match options.precision {
         Precision::PointSpacing => Precision::SamplingDensity,
@@ -184,7 +184,7 @@ impl SampleFrame {
     /// Memory that it takes.
     pub fn byte_size(&self) -> usize {
         let clouds: usize = self.clouds.iter().map(|(cloud, _)| cloud.byte_size()).sum();
-        // The reference holds positions, colours and normals once more, and sorted positions.
+        // The reference holds another copy of positions, colours and normals, and sorted positions.
         2 * clouds
     }
 
@@ -296,7 +296,7 @@ fn other_bytes(file: &ReelFile) -> f64 {
 }
 
 /// Returns the overhead of a frame in bytes in addition to its streams: its own part of directory and index, and its
-/// share of what groups and files store once. The overhead is measured on small files of zero, one and two frames.
+/// share of data stored once per group and file. The overhead is measured on small files of zero, one and two frames.
 fn shared_bytes(file: &ReelFile, options: &ReelOptions, frame_count: usize) -> Result<f64, ConvertError> {
     let point = RawCloud::from_positions(Positions::F32(vec![[0.0; 3]]));
     let frame = NewFrame {
@@ -339,7 +339,7 @@ pub struct Estimate {
     pub frame_bytes: f64,
     /// Bytes per kind of stream.
     pub bytes_by_stream: Option<BytesByStream>,
-    /// The mean of the other way to keep points, where that is known of every frame.
+    /// The mean estimate of the alternative point treatment, where known for every frame.
     pub other_way: Option<OtherWay>,
     /// Errors, where a frame has points.
     pub errors: Option<EstimatedErrors>,
@@ -438,7 +438,7 @@ impl EstimatedErrors {
     }
 }
 
-/// Bytes of the files that some frames of a sequence are in; `None` where nobody knows.
+/// Bytes of the files with some frames of a sequence; `None` if unknown.
 pub fn source_bytes(sequence: &Sequence, frames: &RangeInclusive<usize>) -> Option<u64> {
     if let Some(reel) = sequence.source().reel() {
         return Some(reel.byte_size());

@@ -74,7 +74,7 @@ pub(super) fn convert(
     Ok(converted)
 }
 
-/// The frames that need not be written again, in their order. Fails if a file of somebody else has the name of a frame.
+/// The frames that need not be written again, in their order. Fails if a foreign file has the name of a frame.
 fn finished_frames(
     sequence: &Sequence,
     ledger: &Ledger,

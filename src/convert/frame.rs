@@ -1,4 +1,4 @@
-//! A frame in a file of its own.
+//! A frame in its own file.
 
 use super::conversion::{Conversion, Converted};
 use super::error::ConvertError;
@@ -37,7 +37,7 @@ pub(super) fn write_frame(
     let write = || {
         let (partial, mut file) = Partial::create(path)?;
         crate::io::write(&mut file, conversion.format, &cloud)?;
-        // Flushed to disk before it gets its name: what is in the folder is complete, whatever happens to the machine.
+        // Flushed to disk before it gets its name: files in the folder are complete, even after a crash of the machine.
         file.sync_data()?;
         // The line in the ledger precedes the name: a file in the folder without a line is not part of this conversion.
         before_named(file.metadata()?.len())?;

@@ -2,8 +2,8 @@
 //!
 //! **How it works.** The system releases a lock when its process ends, for whatever reason: a lock left by a killed
 //! process is taken over, with a message. Some network disks have no locks: there the content of the file counts, and
-//! only a process of this machine that has ended is replaced. A lock that was removed and created again while it was
-//! waited for is another file.
+//! only a process of this machine that has ended is replaced. A lock file that was removed and created again during the
+//! wait is another file.
 
 use super::error::ConvertError;
 use crate::regular_file;
@@ -18,10 +18,10 @@ use std::time::{SystemTime, UNIX_EPOCH};
 /// Upper bound of the size of the holder's record in the lock file.
 const MAX_BYTES: u64 = 4096;
 
-/// Held by the process that writes a file. What a killed one leaves is free for the next.
+/// Held by the process that writes a file. The lock of a killed process is free for the next.
 #[derive(Debug)]
 pub(super) struct Lock {
-    /// Removed first. Whoever cannot remove it leaves a file that nobody holds.
+    /// Removed first. If that fails, an unlocked file remains.
     _listed: Temporary,
     _file: File,
 }

@@ -1,7 +1,7 @@
 //! Cost and savings of merging points, before anything is written.
 //!
-//! How it works: a frame is encoded in memory both ways, with every point and as the options specify. Its points and
-//! bytes stand for those of all frames.
+//! How it works: a frame is encoded in memory twice, with every point and as the options specify. Its points and bytes
+//! represent all frames.
 
 use super::conversion::{Conversion, Output};
 use super::error::ConvertError;
@@ -23,7 +23,7 @@ pub struct MergePrice {
     pub left: f64,
     /// Bytes of all frames with their points merged.
     pub merged_bytes: f64,
-    /// Bytes with every point kept.
+    /// Bytes with every point retained.
     pub whole_bytes: f64,
 }
 

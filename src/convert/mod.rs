@@ -2,11 +2,10 @@
 //!
 //! **How it works.** Each frame is read, edited ([`Edit`]) and written on its own, with as many frames in parallel as
 //! there are cores, so that a sequence of any length takes the memory of a few frames. A frame is written under a
-//! hidden name and renamed when it is complete: whatever is visible in the folder is finished. Files keep the names of
-//! their sources (`convert::names`). Options and finished frames are recorded next to the frames ([`Record`]): a
-//! conversion that was interrupted and is started again resumes; a folder of another conversion, a file of somebody
-//! else, and an output that is the input are refused before anything is written. Shards take every n-th frame, whoever
-//! runs them.
+//! hidden name and renamed when it is complete: visible files are complete. Files keep the names of their sources
+//! (`convert::names`). Options and finished frames are recorded next to the frames ([`Record`]): a conversion that was
+//! interrupted and is started again resumes; a folder of another conversion, a foreign file, and an output that is the
+//! input are refused before anything is written. Shards take every n-th frame, on any machine.
 //!
 //! Alternatively all frames go into one sequence file (`convert::reel`). The size and error of either is estimated
 //! beforehand, from a few frames (`convert::estimate`), and the output location is checked ([`Place`]). What a target
@@ -45,7 +44,7 @@ use std::time::Duration;
 /// Converts frames of `sequence`; `progress` counts those that are done, on several threads, and may be cancelled.
 ///
 /// # Errors
-/// What concerns all frames; what concerns one is in [`Converted::failed`].
+/// Errors of all frames; errors of single frames are in [`Converted::failed`].
 pub fn convert(sequence: &Sequence, conversion: &Conversion, progress: &Progress) -> Result<Converted, ConvertError> {
     let frames = chosen_frames(sequence, conversion)?;
     if let Some(input) = source_at(&conversion.output, sequence) {
@@ -99,7 +98,7 @@ fn convert_frames(
     }
 }
 
-/// The frames that were asked for, all of which are there.
+/// The requested frames, all of which exist.
 fn chosen_frames(sequence: &Sequence, conversion: &Conversion) -> Result<Vec<usize>, ConvertError> {
     let Some(range) = &conversion.frames else {
         return Ok((0..sequence.len()).collect());

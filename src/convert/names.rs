@@ -1,9 +1,9 @@
 //! Names of the files that frames are written to.
 //!
 //! **How it works.** The stem of a frame's own file, or of the member that it was in an archive or a sequence file, is
-//! kept as it is: `mesh_00012.ply` becomes `mesh_00012.pcd`. That is only right if a folder of such files is the same
-//! sequence again, so the names must differ, sort in the order of the frames and, where frames have times, tell them;
-//! times that no name tells are appended. Where that does not work out, as for messages of a recording, frames are
+//! retained: `mesh_00012.ply` becomes `mesh_00012.pcd`. That is only right if a folder of such files is the same
+//! sequence again, so the names must differ, sort in the order of the frames and, where frames have times, contain
+//! them; times that no name contains are appended. Where that fails, as for messages of a recording, frames are
 //! numbered.
 
 use crate::io::files::timestamps::times_of_names;
@@ -54,7 +54,7 @@ impl FileNames {
         }
     }
 
-    /// That of frame `index`. Precondition: the sequence had it when the names were made.
+    /// The name of frame `index`. Precondition: the sequence had it when the names were made.
     pub(super) fn name(&self, index: usize) -> &str {
         &self.names[index]
     }

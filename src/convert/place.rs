@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// State of an output location.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
-    /// Nothing in the way.
+    /// Nothing exists there.
     Free,
     /// Output of the same conversion, interrupted earlier: it resumes from there.
     Interrupted,
@@ -28,7 +28,7 @@ pub enum Place {
 }
 
 impl Place {
-    /// Looks for what is there.
+    /// Examines the output location.
     pub fn of(conversion: &Conversion, sequence: &Sequence) -> Self {
         if source_at(&conversion.output, sequence).is_some() {
             return Self::Source;
@@ -78,7 +78,7 @@ impl Place {
     }
 }
 
-/// The files that a sequence is read from, whatever names they have: device and number on it, or else the one name.
+/// The source files of a sequence, independent of their names: device and inode number, or else the canonical name.
 #[derive(Debug, Default)]
 pub struct SourceFiles {
     ids: HashSet<(u64, u64)>,
@@ -108,7 +108,7 @@ impl SourceFiles {
         files
     }
 
-    /// Returns true if the file at `output`, through links of whatever kind, is one of the source files.
+    /// Returns true if the file at `output`, through links of any kind, is one of the source files.
     pub fn has(&self, output: &Path) -> bool {
         match regular_file::id(output) {
             Some(id) => self.ids.contains(&id),
@@ -117,13 +117,13 @@ impl SourceFiles {
     }
 }
 
-/// The input that would be written over, or written next to, at `output`: the same file or folder by whatever name, and
-/// any folder that a file of the input is in.
+/// The input that would be overwritten, or written next to, at `output`: the same file or folder by any name, and any
+/// folder with a file of the input.
 pub fn source_at(output: &Output, sequence: &Sequence) -> Option<PathBuf> {
     let (Output::File(path) | Output::Folder(path) | Output::Reel(path, _)) = output;
     let place = real(path);
     let is_folder = matches!(output, Output::Folder(_));
-    // Frames in one folder ask about the same path again and again.
+    // Frames in one folder query the same path repeatedly.
     let mut looked_at = HashSet::new();
     let mut is_there = |input: &Path| {
         if real(input) == place || regular_file::are_same(input, path) {

@@ -1,11 +1,11 @@
 //! Record of the options and inputs of a folder of converted frames, so that two conversions are never mixed in one
-//! folder, and no file of somebody else is taken for a finished frame.
+//! folder, and no foreign file is taken for a finished frame.
 //!
-//! **How it works.** The options of the conversion and its inputs are one hidden file ([`Record`]). A second one has
-//! one line per written frame ([`Ledger`]): name, size, and the source file it was made from, with its state. A frame
+//! **How it works.** The options of the conversion and its inputs are one hidden file ([`Record`]). Another one has one
+//! line per written frame ([`Ledger`]): name, size, and the source file it was made from, with its state. A frame
 //! counts as finished if a file of that name and size exists and its source is unchanged. The line is written before
-//! the file gets its name: whatever interrupts the conversion, a file without a line is not of this conversion. Each
-//! shard appends to a ledger of its own, all of them are read.
+//! the file gets its name: so even after an interrupt, a file without a line is not of this conversion. Each shard
+//! appends to its own ledger; all of them are read.
 
 use super::conversion::{Conversion, Output, Shard};
 use super::error::ConvertError;
@@ -28,7 +28,7 @@ const FILE_NAME: &str = ".pointreel-convert.json";
 /// Prefix and suffix of the file names of ledgers.
 const LEDGER_NAME: [&str; 2] = [".pointreel-convert.", ".jsonl"];
 
-/// The file that whoever writes the frames of `shard` to `folder` locks.
+/// The lock file of the writer of the frames of `shard` to `folder`.
 pub(super) fn lock_of(folder: &Path, shard: Shard) -> PathBuf {
     folder.join(format!(
         ".pointreel-convert.{}-of-{}.lock",
@@ -133,7 +133,7 @@ impl Record {
         format!("{there} there, {now} now")
     }
 
-    /// The beginning of its SHA-256: whatever program wrote a line says it alike.
+    /// The beginning of its SHA-256: every program computes the same.
     fn hash(&self) -> u64 {
         let text = serde_json::to_vec(self).unwrap_or_default();
         let digest = Sha256::digest(&text);
@@ -152,7 +152,7 @@ fn inputs_of(sequence: &Sequence) -> Vec<String> {
             (FrameBytes::File(Part::Whole | Part::Sole), Some(folder)) if entry.path.is_file() => folder,
             _ => entry.path.as_path(),
         };
-        // Those of one folder are consecutive.
+        // Files of one folder are consecutive.
         if places.last().is_none_or(|last| last != place) {
             places.push(place.to_owned());
         }
@@ -234,12 +234,12 @@ pub(super) struct Ledger {
     folder: PathBuf,
     record: u64,
     lines: HashMap<String, Vec<Line>>,
-    /// That of this shard, once it is open.
+    /// The ledger of this shard, once it is open.
     file: Option<Mutex<File>>,
 }
 
 impl Ledger {
-    /// Reads the ledgers of what was written to `folder` with `record`, by any shard.
+    /// Reads the ledgers of frames written to `folder` with `record`, by any shard.
     pub(super) fn read(folder: &Path, record: &Record) -> Self {
         let record = record.hash();
         let mut lines: HashMap<String, Vec<Line>> = HashMap::new();

@@ -4,7 +4,7 @@
 //! cores, and written in order under a hidden name. A companion file records the options and the progress ([`Ledger`]),
 //! so that an interrupted conversion resumes after its last complete group. Frames that cannot be read are skipped and
 //! reported. Shards take consecutive runs of groups, so that their files are joined by concatenation
-//! ([`super::join()`]); each records which frames it has ([`FilePart`]).
+//! ([`super::join()`]); each records its frames ([`FilePart`]).
 
 use super::conversion::{Conversion, Converted, Shard, is_finished};
 use super::error::ConvertError;
@@ -72,15 +72,15 @@ impl Unfinished {
         crate::persist::write_whole(&self.ledger, &text).map_err(write_error(&self.ledger))
     }
 
-    /// Removes it: nothing goes on with it. To be called while it is locked.
+    /// Removes it: it will not be resumed. To be called while it is locked.
     fn remove(&self) {
         for path in [&self.file, &self.ledger] {
-            // The next conversion overwrites what cannot be removed.
+            // The next conversion overwrites a file that cannot be removed.
             let _ = fs::remove_file(path);
         }
     }
 
-    /// The file that is there, to go on with; `None` where that cannot be, which is said.
+    /// Reopens the existing file to resume; `None` where that is impossible, with a message.
     fn reopened(&self, options: &ReelOptions) -> Option<Writer> {
         let reopened = Writer::append_to(&self.file, options.clone());
         let told = reopened.inspect_err(|error| log::warn!("the conversion starts over: {error}"));
@@ -188,7 +188,7 @@ pub(super) fn convert(
             skipped: Vec::new(),
         };
         until_a_group.extend([&unfinished.file, &unfinished.ledger].map(|path| Temporary::file(path)));
-        // Before the file, so that whatever is left over can be identified.
+        // Before the file, so that remains can be identified.
         unfinished.keep(&ledger)?;
         (Writer::create_part(&unfinished.file, options.clone(), part)?, ledger)
     };
@@ -211,7 +211,7 @@ pub(super) fn convert(
     Ok(converted)
 }
 
-/// Writes those of the frames that are not in the unfinished file yet, and gives it its name.
+/// Writes the frames that are not in the unfinished file yet, and gives it its name.
 fn write_frames(work: &Work<'_>, open: Open<'_>, converted: &mut Converted) -> Result<(), ConvertError> {
     let Work { frames, progress, .. } = *work;
     let Open {
@@ -327,7 +327,7 @@ fn encoded(work: &Work<'_>, frames: &[usize]) -> Result<ConvertedGroup, ConvertE
         .iter()
         .map(|(cloud, entry)| NewFrame {
             cloud,
-            // The frame's own name, without that of a multi-frame file.
+            // The frame's own name, without the name of a multi-frame file.
             name: entry.name.rsplit(": ").next().unwrap_or_default(),
             time: entry.time,
         })
@@ -338,7 +338,7 @@ fn encoded(work: &Work<'_>, frames: &[usize]) -> Result<ConvertedGroup, ConvertE
     Ok(made)
 }
 
-/// Frames of a group: as many as asked for, fewer where their clouds are large.
+/// Frames per group: the requested number, fewer where their clouds are large.
 fn group_length(sequence: &Sequence, frames: &[usize], options: &ReelOptions) -> usize {
     let first = frames.iter().find_map(|&frame| sequence.decode(frame).ok());
     let fitting = first.map_or(usize::MAX, |cloud| GROUP_BYTES / cloud.byte_size().max(1));

@@ -323,7 +323,7 @@ fn foreign_files_are_not_mistaken_for_frames() {
         matches!(refused, Err(ConvertError::Exists { more: 0, .. })),
         "{refused:?}"
     );
-    // What is appended after a partial line is a complete line.
+    // A line appended after a partial one is complete.
     assert_eq!(run(&fresh).written, 9);
     assert_eq!(run(&conversion(folder.path())).left, 9);
 }

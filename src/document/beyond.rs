@@ -20,7 +20,7 @@ impl ReadSession {
         beyond(&self.document, &self.file, reach)
     }
 
-    /// Fails if it would open what `reach` does not allow.
+    /// Fails if the document would open anything that `reach` does not allow.
     ///
     /// # Errors
     /// [`SessionError::Beyond`].

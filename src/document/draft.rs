@@ -1,4 +1,4 @@
-//! A camera path while it is edited: what there is of it is a path at any time, or there are no keyframes at all.
+//! A camera path while it is edited: at any time a valid path, or no keyframes at all.
 
 use crate::scene::{Camera, CameraPath, Keyframe, PathError};
 use std::ops::RangeInclusive;
@@ -57,10 +57,10 @@ impl Draft {
         (key.time_s <= time_s + SAME_TIME_S).then_some(index)
     }
 
-    /// Sets a keyframe at its time, replacing any that is there.
+    /// Sets a keyframe at its time, replacing an existing one.
     ///
     /// # Errors
-    /// If its projection differs from that of the others, or its numbers are out of range.
+    /// If its projection differs from the others, or its numbers are out of range.
     pub fn put(&mut self, key: Keyframe) -> Result<(), PathError> {
         let index = self.key_at(key.time_s);
         self.edit(|keys| {
@@ -145,7 +145,7 @@ impl Draft {
         self.edit_soundly(|_| {});
     }
 
-    /// Changes the keyframes; nothing is changed if they are no path then.
+    /// Changes the keyframes; nothing is changed if the result is not a path.
     fn edit(&mut self, change: impl FnOnce(&mut Vec<Keyframe>)) -> Result<(), PathError> {
         let mut keys = self.keyframes().to_vec();
         change(&mut keys);

@@ -34,7 +34,7 @@ pub enum SessionError {
         /// Maximum size of a session file in bytes.
         max_bytes: u64,
     },
-    /// It is not what a session looks like; the reason names line and column.
+    /// The file is not a session; the reason names line and column.
     #[error("{} is not a session that can be opened: {reason}", file.display())]
     Json {
         /// The file.
@@ -95,7 +95,7 @@ pub enum SessionError {
         /// Input that the session names.
         input: PathBuf,
     },
-    /// It names addresses or files elsewhere that nobody has allowed.
+    /// The session names addresses or files elsewhere that were not allowed.
     #[error("the session {} opens {beyond}: give {} if you trust it", file.display(), beyond.options())]
     Beyond {
         /// The file.

@@ -22,16 +22,16 @@ use std::sync::Arc;
 /// File name extension of session files.
 pub const EXTENSION: &str = "pointreel";
 
-/// As many labels and keyframes as anybody sets, with all digits, take less.
+/// Any realistic number of labels and keyframes, with all digits, takes less.
 const MAX_FILE_BYTES: u64 = 64 << 20;
 
 /// Most labels, and most measurements.
 const MAX_MARKS: usize = 1000;
 
-/// Index of the last frame that can be named: no sequence has as many.
+/// Largest frame index that can be named: no sequence reaches it.
 const LAST_FRAME: usize = u32::MAX as usize;
 
-/// Names of values that a warning has room for.
+/// Max names of values in a warning.
 const MAX_REASONS: usize = 20;
 
 /// A session that was read.
@@ -59,7 +59,7 @@ pub enum Unsaved {
     None,
     /// They are in the document. The session has this one.
     Restored(Box<Document>),
-    /// Somebody else has written the session since: they are in a session file of their own.
+    /// Another program has written the session since: they are in a separate session file.
     Outdated(PathBuf),
 }
 
@@ -84,7 +84,7 @@ impl ReadSession {
     /// Reads the session in `file`.
     ///
     /// # Errors
-    /// What stands in the way of reading, and what is wrong in which line.
+    /// Failures to read, and invalid content with its line.
     pub fn read(file: &Path) -> Result<Self, SessionError> {
         let failed = |reason| SessionError::Read {
             file: file.to_owned(),
@@ -103,10 +103,10 @@ impl ReadSession {
         Self::of_text(&bytes, file)
     }
 
-    /// Reads a session from the text of `file`; paths in it are from the folder of that.
+    /// Reads a session from the text of `file`; paths in it are relative to its folder.
     ///
     /// # Errors
-    /// What is wrong in which line.
+    /// Invalid content with its line.
     pub fn of_text(text: &[u8], file: &Path) -> Result<Self, SessionError> {
         let json = |reason| SessionError::Json {
             file: file.to_owned(),
@@ -249,7 +249,7 @@ impl Notes {
     }
 }
 
-/// The settings, each by itself, and those that are not known.
+/// The settings, parsed one by one, and the unknown ones.
 fn settings_of(written: &Fields, notes: &mut Notes) -> (Settings, Fields) {
     let mut unread = Vec::new();
     let settings = persist::fields::<Settings>(written, &mut unread).nearest();
@@ -275,10 +275,10 @@ fn value_of(fields: impl Serialize) -> Value {
 }
 
 impl Document {
-    /// The text of a session in `file`: JSON, whose paths are from the folder of the file.
+    /// The text of a session in `file`: JSON with paths relative to the folder of the file.
     ///
     /// # Errors
-    /// Of inputs whose names are no text.
+    /// Inputs whose names are not text.
     pub fn to_text(&self, file: &Path) -> Result<String, SessionError> {
         let fields = self.fields(Some(file.parent().unwrap_or(Path::new(""))))?;
         Ok(text::of_fields(fields.iter().map(|(name, value)| (*name, value))))

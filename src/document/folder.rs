@@ -1,10 +1,10 @@
-//! Documents that are kept without being asked: a file per sequence, in the folder for settings.
+//! Documents stored automatically: one file per sequence, in the settings folder.
 //!
-//! **How it works.** A sequence is known by path, name and size of its first frame: frames that are added later leave
-//! it the same. Its file holds the text of a session with absolute paths, and is written as a whole. Two windows may
-//! have the same sequence open: each writes the parts that were changed in it, into the file as it is then
-//! (`stored/update.rs`); of a part that both have changed, the later stays. A file that cannot be read is copied before
-//! it is replaced. The number and the size of the files are bounded: the oldest are removed.
+//! **How it works.** A sequence is identified by path, name and size of its first frame: added frames do not change it.
+//! Its file holds the text of a session with absolute paths, and is written as a whole. Two windows may have the same
+//! sequence open: each merges the parts changed in it into the current file (`stored/update.rs`); if both changed a
+//! part, the later write wins. A file that cannot be read is copied before it is replaced. The number and the size of
+//! the files are bounded: the oldest are removed.
 
 use super::model::Document;
 use super::text_hash::hex_hash;
@@ -17,7 +17,7 @@ use std::io::Error;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-/// Files that are kept.
+/// Max number of files.
 const MAX_DOCUMENTS: usize = 500;
 
 /// Bytes of all of them.
@@ -29,7 +29,7 @@ const MAX_DOCUMENT_BYTES: usize = 1 << 20;
 /// Messages call the contents of a file so.
 const WHAT: &str = "the document";
 
-/// Fields of which every setting is merged by itself.
+/// Name of the field whose settings are merged one by one.
 const SETTINGS: &str = "settings";
 
 /// The folder of the documents of a user.
@@ -43,9 +43,9 @@ pub struct DocumentFolder {
 /// Stored document of a sequence.
 #[derive(Debug, Default)]
 pub struct StoredDocument {
-    /// The document; `None` if nothing was kept, or it cannot be read.
+    /// The document; `None` if nothing was stored, or it cannot be read.
     pub document: Option<Document>,
-    /// Description of what could not be read: a text for a notice.
+    /// Description of the unreadable parts: a text for a notice.
     pub problem: Option<String>,
     /// True if the file may be replaced.
     pub is_writable: bool,
@@ -130,11 +130,11 @@ impl DocumentFolder {
         }
     }
 
-    /// Writes what `now` has otherwise than `before`, which is what this window has read or written last. `Err` is a
-    /// text for a notice.
+    /// Writes the differences of `now` from `before`, the document that this window read or wrote last. `Err` is a text
+    /// for a notice.
     ///
     /// # Errors
-    /// What cannot be written, and why.
+    /// Failures to write, with the reason.
     pub fn write(&self, file: &Path, before: &Document, now: &Document) -> Result<(), String> {
         let failed = |reason: String| format!("What you made of this sequence could not be kept ({reason})");
         let ordered = now.fields(None).map_err(|reason| failed(reason.to_string()))?;
@@ -154,7 +154,7 @@ impl DocumentFolder {
         Ok(())
     }
 
-    /// Removes what was kept in `file`.
+    /// Removes the stored `file`.
     pub fn forget(&self, file: &Path) {
         for file in [file, &self.timeline_of(file)] {
             match fs::remove_file(file) {
@@ -204,7 +204,7 @@ fn text_of(fields: &Fields, ordered: &[(&str, Value)]) -> std::io::Result<Vec<u8
     Ok(text.into_bytes())
 }
 
-/// Puts into `stored` what differs between `before` and `now`.
+/// Merges the differences between `before` and `now` into `stored`.
 fn merge_into(stored: &mut Fields, unread: &mut Vec<String>, before: &Fields, now: &Fields, file: &Path) {
     let was_read = serde_json::to_vec(stored)
         .map_err(|reason| reason.to_string())
@@ -240,7 +240,7 @@ fn note_used(file: &Path) {
     }
 }
 
-/// Removes the oldest files of `folder` beyond so many files and bytes; `stored` stays.
+/// Removes the oldest files of `folder` beyond these numbers of files and bytes; `stored` stays.
 fn remove_oldest(folder: &Path, stored: &Path, max_files: usize, max_bytes: u64) {
     let Ok(entries) = folder.read_dir() else { return };
     let files = entries.flatten().filter_map(|entry| {
@@ -317,7 +317,7 @@ mod tests {
         let read = ReadSession::read(&file).unwrap();
         assert_eq!((&read.document, read.warnings.len()), (&document, 0));
         assert_eq!(documents.read(&file, &new).document, Some(document.clone()));
-        // A copy in place of a session counts as the same session if its text is identical.
+        // A copy instead of a session counts as the same session if its text is identical.
         if cfg!(unix) {
             let text = document.to_text(Path::new("/elsewhere/walk.pointreel")).unwrap();
             assert_eq!(fs::read_to_string(&file).unwrap(), text);

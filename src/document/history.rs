@@ -1,8 +1,8 @@
-//! Undo and redo of what a user edits in a document, in one order, each change with a name.
+//! Undo and redo of a user's edits in a document, in one order, each change with a name.
 //!
-//! **How it works.** The document is looked at once a pass. Where what undo takes back differs from the last look, that
-//! is kept, unless the change goes on: with the same button held, or the same fields within half a second of the change
-//! before. What is kept has the parts that undo takes back alone, and shares what is large of them.
+//! **How it works.** The document is compared once per pass. Where its undoable parts differ from the last pass, the
+//! previous ones are stored as an entry, unless the change continues: with the same button held, or the same fields
+//! within half a second of the change before. An entry has the undoable parts alone, and shares large data.
 
 use super::model::Document;
 use super::names::{changed_fields, name_of};
@@ -12,10 +12,10 @@ use std::time::Duration;
 /// Changes of the same fields within this time are one.
 const GESTURE: Duration = Duration::from_millis(500);
 
-/// Entries that are kept; the oldest go first.
+/// Max number of entries; the oldest are dropped first.
 const MAX_ENTRIES: usize = 200;
 
-/// The document before and after, as a person changed it.
+/// The document before and after a user's change.
 #[derive(Debug, Clone, Default)]
 pub struct History {
     past: VecDeque<Change>,
@@ -44,7 +44,7 @@ struct LastChange {
 }
 
 impl History {
-    /// Looks at the document at `now`; `is_held` says whether a button of the mouse is down.
+    /// Compares the document at `now`; `is_held` is true while a mouse button is down.
     pub fn note(&mut self, document: &Document, is_held: bool, now: Duration) {
         let present = self.present.get_or_insert_with(|| document.undone_parts());
         let last = self.last.as_mut();
@@ -83,8 +83,7 @@ impl History {
         });
     }
 
-    /// Looks at the document between two steps of a person: what has changed goes on no change before, and nothing goes
-    /// on it.
+    /// Compares the document between two user actions: the change continues none before, and none continues it.
     pub fn note_step(&mut self, document: &Document) {
         self.last = None;
         self.note(document, false, Duration::ZERO);
@@ -172,7 +171,7 @@ mod tests {
             history.note(&scaled(scale), false, at(1000 * second as u64));
         }
         assert_eq!(history.undo(), Some(scaled(2.0)));
-        // What undo has set is not a change, and what follows at once is a change of its own.
+        // The state set by undo is not a change, and an edit right after it is a separate change.
         history.note(&scaled(2.0), false, at(2100));
         history.note(&scaled(5.0), false, at(2200));
         assert_eq!(history.redo(), None);

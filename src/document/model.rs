@@ -80,16 +80,16 @@ pub struct SpreadTrails {
     pub frames: usize,
 }
 
-/// A sequence next to that of the document.
+/// A sequence next to the document's.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compared {
     /// Opened inputs: as [`Document::inputs`].
     pub inputs: Vec<PathBuf>,
     /// Its topic, of a recording with several.
     pub topic: Option<String>,
-    /// By what frames belong together; as is usual for the two if `None`.
+    /// Pairing of frames; the default for the two sequences if `None`.
     pub by: Option<ComparedBy>,
-    /// Its frames are so many later.
+    /// Offset of its frames, in frames.
     pub offset_frames: i64,
     /// Layout of the two sequences.
     pub layout: ComparedLayout,
@@ -97,7 +97,7 @@ pub struct Compared {
     pub line: f64,
 }
 
-/// By what frames of two sequences belong together.
+/// Pairing of the frames of two sequences.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ComparedBy {
@@ -142,7 +142,7 @@ pub struct Marker {
 pub struct Measured {
     /// Kind of measurement.
     pub kind: MeasurementKind,
-    /// Its points, as many as the gauge takes.
+    /// Its points, the number that the tool takes.
     pub points: Vec<MeasuredPoint>,
 }
 

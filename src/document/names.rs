@@ -4,7 +4,7 @@ use super::model::Document;
 use super::parts::{PARTS, Part, SETTINGS};
 use crate::scene::describe::{Described, Value, Values};
 
-/// Names that a menu has room for.
+/// Max names in a menu entry.
 const MAX_NAMED: usize = 2;
 
 /// The parts that differ and undo takes back; of settings each that does, by its name in files.
@@ -28,7 +28,7 @@ fn changed_settings(before: &Document, after: &Document) -> Vec<(&'static Descri
     changed.map(|(_, after)| after).collect()
 }
 
-/// Name of the change from `before` to `after` of what undo takes back.
+/// Name of the undoable change from `before` to `after`.
 pub(super) fn name_of(before: &Document, after: &Document) -> String {
     named(before, after, Part::is_undone)
 }
@@ -40,7 +40,7 @@ impl Document {
     }
 }
 
-/// Names of the changes of the parts that are `told`.
+/// Names of the changes of the parts selected by `told`.
 fn named(before: &Document, after: &Document, told: fn(&Part) -> bool) -> String {
     let others = PARTS.iter().filter(|part| part.name != SETTINGS && told(part));
     let changed = others.filter_map(|part| part.change(before, after));

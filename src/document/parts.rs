@@ -1,7 +1,7 @@
-//! The parts of a document that are work, a row each: when two documents hold the same of it, whether undo takes it
-//! back, and what it is called in messages.
+//! The parts of a document that are the user's work, one row per part: its comparison, whether undo restores it, and
+//! its name in messages.
 //!
-//! Inputs, frame and view are none: who looks around has made nothing.
+//! Inputs, frame and view are not parts: looking around makes nothing.
 
 use super::model::{Document, Measured, MeasuredPoint, ShownTrails};
 use crate::messages;
@@ -12,9 +12,9 @@ pub(super) struct Part {
     pub(super) name: &'static str,
     /// Equality test that ignores the positions of followed points in the shown frame.
     is_same: fn(&Document, &Document) -> bool,
-    /// Gives the first document what the second has of it; `None` of what undo does not take back.
+    /// Copies the part from the second document to the first; `None` for parts that undo does not restore.
     put_back: Option<fn(&mut Document, &Document)>,
-    /// Name of the change from the first to the second document, for undo. Settings have names of their own.
+    /// Name of the change from the first to the second document, for undo. Settings have their own names.
     change: fn(&Document, &Document) -> &'static str,
     /// Summary of what the first document holds beyond the second, for a message: `2 labels`.
     summary: fn(&Document, &Document) -> Option<String>,
@@ -161,20 +161,20 @@ impl Document {
         self.view == other.view && self.is_same_work(other)
     }
 
-    /// Returns true if there is nothing to undo between this document and `other`.
+    /// Returns true if nothing can be undone between this document and `other`.
     pub(super) fn is_undone_to(&self, other: &Self) -> bool {
         let mut undone = PARTS.iter().filter(|part| part.is_undone());
         undone.all(|part| (part.is_same)(self, other))
     }
 
-    /// A document with nothing but what undo takes back.
+    /// A document with only the undoable parts.
     pub(super) fn undone_parts(&self) -> Self {
         let mut parts = Self::default();
         parts.put_back(self);
         parts
     }
 
-    /// Takes what undo takes back from `other`.
+    /// Restores the undoable parts from `other`.
     pub fn put_back(&mut self, other: &Self) {
         for put_back in PARTS.iter().filter_map(|part| part.put_back) {
             put_back(self, other);
@@ -198,7 +198,7 @@ fn counted(count: usize, one: &str) -> Option<String> {
     (count > 0).then(|| messages::counted(count as i64, one))
 }
 
-/// The name of a change of one thing, or of more.
+/// The name of a change of one item, or of more.
 fn one_or_more([before, after]: [usize; 2], [one, more]: [&'static str; 2]) -> &'static str {
     if before.abs_diff(after) > 1 { more } else { one }
 }

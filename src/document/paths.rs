@@ -1,7 +1,7 @@
-//! Paths of a session, from its folder: the folder moves to another place or machine with all that is in it.
+//! Paths of a session, relative to its folder, which may be moved to another place or machine with its content.
 //!
-//! How it works: what shares a folder with the session below the root is written from there, with `/` between names on
-//! every system; what does not stays absolute. Words that are no files (`demo:`, `http://`, `udp://`) stay as they are.
+//! How it works: paths that share a folder with the session below the root become relative, with `/` between names on
+//! every system; others stay absolute. Words that are not files (`demo:`, `http://`, `udp://`) stay as they are.
 
 use super::SessionError;
 use crate::source;
@@ -45,7 +45,8 @@ pub(super) fn is_word(text: &str) -> bool {
     source::is_address(text) || source::is_word(Path::new(text))
 }
 
-/// The names on the way from `folder` to `input`, `..` for each folder up; `None` if they share no folder but the root.
+/// The names of the path from `folder` to `input`, `..` for each folder up; `None` if they share no folder but the
+/// root.
 fn from_folder(input: &Path, folder: &Path) -> Option<Vec<OsString>> {
     // The folder of a bare file name is the current folder.
     let from = if folder.as_os_str().is_empty() {

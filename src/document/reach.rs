@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
-/// Names that a sentence has room for.
+/// Max names in a sentence.
 const MAX_NAMED: usize = 5;
 
 /// External references that a session names, beyond its folder.

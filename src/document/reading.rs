@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::Arc;
 
-/// Choices of reading; what is `None` or false is as usual.
+/// Reading options; `None` or false is the default.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Reading {
@@ -33,14 +33,14 @@ pub struct Reading {
     /// Points sampled from the faces of a mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sample: Option<NonZeroUsize>,
-    /// Columns of text and of files without a header: their number, or which is what.
+    /// Columns of text and of files without a header: their number, or their meanings.
     #[serde(
         skip_serializing_if = "Option::is_none",
         serialize_with = "write_columns",
         deserialize_with = "columns"
     )]
     pub columns: Option<ColumnMap>,
-    /// Values that stand for a missing point.
+    /// Values of a missing point.
     #[serde(
         skip_serializing_if = "Option::is_none",
         serialize_with = "write_word",
@@ -70,7 +70,7 @@ pub struct Reading {
     /// Pattern of the names of colour images.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub color_images: Option<String>,
-    /// `fx,fy,cx,cy`, or a file that says them.
+    /// `fx,fy,cx,cy`, or a file with them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub intrinsics: Option<String>,
     /// Units of the depth images that are a metre.
@@ -178,7 +178,7 @@ impl Reading {
         }
     }
 
-    /// `options` with these choices, where `options` has none of its own.
+    /// `options` with these choices, where `options` has none.
     #[must_use]
     pub fn over(&self, options: &OpenOptions) -> OpenOptions {
         let read: ReadOptions = options.read;

@@ -1,4 +1,4 @@
-//! Sessions written and read: nothing is lost, whatever is in them, and damage is told with its line.
+//! Sessions written and read: nothing is lost, whatever is in them, and damage is reported with its line.
 
 use super::*;
 use crate::cloud::NoData;
@@ -14,7 +14,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// As a person would write it by hand.
+/// Written by hand.
 const BY_HAND: &str = r#"{
   "pointreel_session": 1,
   "files": ["scans"],

@@ -132,7 +132,7 @@ mod tests {
     }
 
     proptest! {
-        /// Held against the parser: whatever is laid out is the same JSON.
+        /// Round trip through the parser: any formatted text is the same JSON.
         #[test]
         fn formatting_preserves_the_values(fields in prop::collection::btree_map(".{0,8}", value(), 0..6)) {
             let text = of_fields(fields.iter().map(|(name, value)| (name.as_str(), value)));

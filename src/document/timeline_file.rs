@@ -17,8 +17,8 @@ const VERSION: u32 = 1;
 /// Name of the contents in messages.
 const WHAT: &str = "the markers";
 
-/// Puts into `document` what was kept in `file`, which need not be there. Returns what could not be read: a text for a
-/// notice.
+/// Copies the marks stored in `file`, which need not exist, into `document`. Returns a text for a notice about
+/// unreadable parts.
 pub(super) fn read_into(document: &mut Document, file: &Path) -> Option<String> {
     let read = persist::read_leniently(file, WHAT, |stored, unread| {
         persist::note_later_version(stored, VERSION, unread);

@@ -1,7 +1,7 @@
 //! Autosave of unsaved session changes, stored without prompting, as editors do with unsaved files.
 //!
-//! **How it works.** A session has a file of its own, which only the user writes. Changes made in the meantime are in
-//! the folder of documents, in one file per session, named by the session's path: the text of the whole document, and a
+//! **How it works.** A session has its own file, which only the user writes. Changes made in the meantime are in the
+//! folder of documents, in one file per session, named by the session's path: the text of the whole document, and a
 //! hash of the text of the session that it is based on. When the session is opened again and still has that text, the
 //! document is restored. Where another program has written the session since, that version takes precedence, and the
 //! unsaved changes stay as a session file that can be opened. Once the session is saved, or is back in its saved state,
@@ -36,7 +36,7 @@ impl DocumentFolder {
         }
     }
 
-    /// Puts into `read` what was changed of it and not saved.
+    /// Restores the unsaved changes into `read`.
     pub fn restore(&self, read: &mut ReadSession) {
         let UnsavedPlace { file, base } = self.unsaved_place(&read.file, read.text_hash.clone());
         if !file.exists() {

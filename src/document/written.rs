@@ -31,7 +31,7 @@ pub(super) struct Version {
     pub(super) pointreel_session: u64,
 }
 
-/// All of it; the settings are looked at one by one later.
+/// All of it; the settings are parsed one by one later.
 #[derive(Debug, Deserialize)]
 pub(super) struct Written {
     #[serde(rename = "pointreel_session")]
@@ -69,7 +69,7 @@ pub(super) struct Written {
     pub(super) unknown: Fields,
 }
 
-/// Sequence that is compared with that of the session.
+/// Sequence that is compared with the session's.
 #[derive(Debug, Clone)]
 pub(super) struct WrittenCompared(CompareFields);
 
@@ -155,7 +155,7 @@ fn range<'de, D: Deserializer<'de>>(deserializer: D) -> Result<PlayRange, D::Err
     is_sound.then_some(range).ok_or_else(told)
 }
 
-/// An object of fields `F` from which `make` makes what is read, or says why it cannot.
+/// Deserialises an object of fields `F` that `make` converts, or fails with the reason.
 fn checked<'de, D, F, T>(deserializer: D, make: fn(F) -> Result<T, String>) -> Result<T, D::Error>
 where
     D: Deserializer<'de>,
@@ -196,7 +196,7 @@ pub(super) struct WrittenClip(pub(super) Clip);
 #[serde(deny_unknown_fields)]
 struct ClipFields {
     on: bool,
-    /// True if what is outside the shape is drawn.
+    /// True if the points outside the shape are drawn.
     #[serde(default)]
     outside: bool,
     /// The smallest and the largest corner.

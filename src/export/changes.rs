@@ -24,8 +24,8 @@ impl ChangedRect {
     }
 }
 
-/// The smallest part, beginning at multiples of `grid`, outside of which `picture` is as `before`: one pixel at least.
-/// All of it without a picture before.
+/// The smallest rectangle, beginning at multiples of `grid`, that contains all differences of `picture` from `before`:
+/// one pixel at least. The whole image if there is none before.
 pub(super) fn changed_part(before: Option<&RgbaImage>, picture: &RgbaImage, grid: u32) -> ChangedRect {
     let (width, height) = picture.dimensions();
     let whole = ChangedRect {

@@ -9,14 +9,14 @@ use crate::scene::PathError;
 use crate::sequence::{FrameError, SequenceError};
 use std::path::PathBuf;
 
-/// Why there is no picture or video.
+/// Errors of image and video export.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExportError {
     /// A frame cannot be shown or drawn.
     #[error(transparent)]
     Draw(#[from] HeadlessError),
-    /// There are no frames, or nothing that reads them.
+    /// There are no frames, or no reader for them.
     #[error(transparent)]
     Sequence(#[from] SequenceError),
     /// The camera has no such path.
@@ -30,7 +30,7 @@ pub enum ExportError {
         /// The system's reason.
         reason: std::io::Error,
     },
-    /// The name says no format.
+    /// The name has no known extension.
     #[error(
         "{} is not a video: expected a name that ends in .mp4, .gif or .webp, a folder, or {{frame}}.png for one \
          file per image",
@@ -40,7 +40,7 @@ pub enum ExportError {
         /// The name.
         path: PathBuf,
     },
-    /// The name says no format of pictures.
+    /// The name has no image extension.
     #[error(
         "{} is not the name of an image format: expected a name that ends in {}",
         path.display(),
@@ -50,13 +50,13 @@ pub enum ExportError {
         /// The name.
         path: PathBuf,
     },
-    /// The format of a picture has no transparency.
+    /// The image format has no transparency.
     #[error("{format} has no transparency: choose .png, .webp or .tif, or a background colour")]
     OpaquePicture {
         /// The format.
         format: PictureFormat,
     },
-    /// The format of a picture has no such sizes.
+    /// The image format does not support this size.
     #[error("{format} images have edges of at most {max_px} pixels, not {width}x{height}: choose .png")]
     LargePicture {
         /// The format.
@@ -68,7 +68,7 @@ pub enum ExportError {
         /// Longest edge.
         max_px: u32,
     },
-    /// The format has no pictures of this size.
+    /// The format does not support images of this size.
     #[error("{format} does not support images of {width}x{height} pixels: expected {expected}")]
     Size {
         /// The format.
@@ -96,7 +96,7 @@ pub enum ExportError {
         /// The format.
         format: VideoFormat,
     },
-    /// A picture beyond any use.
+    /// The image is too large for any use.
     #[error(
         "an image of {width}x{height} pixels: edges are from 1 to {} pixels long",
         MAX_EDGE_PX
@@ -107,7 +107,7 @@ pub enum ExportError {
         /// Asked height.
         height: u32,
     },
-    /// A picture that is drawn in parts cannot be scaled up.
+    /// An image that is drawn in parts cannot be scaled up.
     #[error(
         "an image of {width}x{height} pixels is drawn in tiles, which cannot be scaled up: omit --resolution, or draw \
          a smaller one"

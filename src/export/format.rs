@@ -5,9 +5,9 @@ use std::fmt;
 /// Output format of a video.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VideoFormat {
-    /// A PNG file a picture.
+    /// One PNG file per image.
     PngFiles,
-    /// 256 colours a picture.
+    /// 256 colours per image.
     Gif,
     /// Lossless.
     Webp,

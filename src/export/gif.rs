@@ -1,7 +1,7 @@
 //! GIF files: a palette of up to 255 colours per image, found by a neural net (`NeuQuant`) where there are more.
 //!
-//! Unchanged pixels are omitted (transparent): they keep their colours, whatever the palette of the new image is, so
-//! that what stands still does not flicker.
+//! Unchanged pixels are omitted (transparent): they keep their colours, whatever the palette of the new image, so that
+//! static parts do not flicker.
 
 use super::changes::changed_part;
 use super::error::ExportError;
@@ -24,7 +24,7 @@ const COLORS: usize = 255;
 /// A GIF that is being written.
 pub(super) struct GifFile {
     output: PathBuf,
-    /// Closed before what was written is removed.
+    /// Closed before its output is removed.
     encoder: Encoder<BufWriter<File>>,
     partial: Partial,
     stream: VideoStream,

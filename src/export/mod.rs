@@ -1,10 +1,10 @@
-//! Pictures of any size, and videos of camera paths, as files.
+//! Images of any size, and videos of camera paths, as files.
 //!
-//! **How it works.** A picture larger than a texture is drawn part by part and written row by row (`picture.rs`). A
-//! video is a [`CameraPath`](crate::scene::CameraPath) drawn picture by picture (`video.rs`), while the pictures before
-//! are encoded on another thread by a [`FrameSink`]: PNG files, GIF, WebP, or MP4 by `ffmpeg`. Everything is written
-//! under a hidden name until it is whole, so what is cancelled or fails leaves nothing that looks finished. Equal input
-//! makes equal bytes, but for MP4, whose bytes are those of the `ffmpeg` that is there.
+//! **How it works.** An image larger than a texture is drawn part by part and written row by row (`picture.rs`). A
+//! video is a [`CameraPath`](crate::scene::CameraPath) drawn image by image (`video.rs`), while earlier images are
+//! encoded on another thread by a [`FrameSink`]: PNG files, GIF, WebP, or MP4 by `ffmpeg`. Everything is written under
+//! a hidden name until it is complete, so a cancelled or failed export leaves nothing that looks finished. Equal input
+//! makes equal bytes, except for MP4, whose bytes depend on the installed `ffmpeg`.
 
 mod changes;
 mod error;

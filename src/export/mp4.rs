@@ -1,4 +1,4 @@
-//! MP4 files: H.264 by the program `ffmpeg`, which takes raw pictures from a pipe.
+//! MP4 files: H.264 by the program `ffmpeg`, which takes raw images from a pipe.
 
 use super::error::ExportError;
 use super::sink::{FrameSink, VideoStream};
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::{ChildStdin, Command, Stdio};
 use std::thread::{self, JoinHandle};
 
-/// No more of what it says is kept.
+/// Max stored bytes of its messages.
 const MAX_MESSAGE_BYTES: u64 = 1 << 16;
 
 /// Returns true if ffmpeg, the encoder for MP4, is on the PATH.
@@ -25,11 +25,11 @@ pub fn has_ffmpeg() -> bool {
 /// An MP4 that is being written.
 pub(super) struct Mp4File {
     output: PathBuf,
-    /// Killed before what it writes is removed.
+    /// Killed before its output is removed.
     ffmpeg: Helper,
     /// Standard input pipe through which the encoder receives the frames.
     pictures: Option<ChildStdin>,
-    /// Reads what it says, so that it never waits for a reader.
+    /// Reads its messages, so that it never blocks on the pipe.
     messages: Option<JoinHandle<String>>,
     partial: Partial,
 }
@@ -124,7 +124,7 @@ impl FrameSink for Mp4File {
     }
 }
 
-/// A name that is taken for a file, whatever it begins with.
+/// A name that `ffmpeg` takes for a file, whatever it begins with.
 fn file_name(path: &Path) -> std::ffi::OsString {
     let mut name = std::ffi::OsString::from("file:");
     name.push(path);

@@ -11,7 +11,7 @@ use super::webp::WebpFile;
 use std::path::Path;
 
 impl VideoFormat {
-    /// The format that a name says: by its extension, or as a folder (an existing one, or a name without extension).
+    /// The format by the name: by its extension, or as a folder (an existing one, or a name without extension).
     pub fn of_name(path: &Path) -> Result<Self, ExportError> {
         let extension = path
             .extension()
@@ -70,10 +70,10 @@ impl VideoFormat {
     }
 }
 
-/// Opens the video that `output` names, in the format that its name says.
+/// Opens the video `output`, in the format of its name.
 ///
 /// # Errors
-/// What the format has not (sizes, rates, transparency), and what stands in the way of writing.
+/// Sizes, rates or transparency that the format lacks, and failures to write.
 pub fn open_sink(output: &Path, stream: &VideoStream) -> Result<Box<dyn FrameSink>, ExportError> {
     let format = VideoFormat::of_name(output)?;
     format.check(stream)?;

@@ -1,15 +1,14 @@
-//! Pictures of any size, opaque or with alpha.
+//! Images of any size, opaque or with alpha.
 //!
-//! **How it works.** The records that a picture is drawn from are chosen once, for the whole of it. What is larger than
-//! a part of 4096² pixels (or the largest texture) is drawn part by part, each as the same eye sees it through another
-//! piece of the same screen, and written a strip of parts after the other: a strip takes a quarter of a GiB at most,
-//! however large the picture is.
+//! **How it works.** The records of an image are chosen once, for all of it. An image larger than 4096² pixels (or the
+//! largest texture) is drawn in tiles, each with an off-axis frustum of the same camera, and written strip by strip: a
+//! strip of tiles takes a quarter of a GiB at most, however large the image is.
 //!
-//! Where eye-dome lighting and ambient occlusion look at neighbours, parts are drawn with as many pixels around them as
-//! they look far: no seams are seen.
+//! Where eye-dome lighting and ambient occlusion look at neighbours, tiles have a margin of that radius: no seams are
+//! visible.
 //!
-//! *Alpha* is found by drawing each part on black and on white. What covers a pixel by `alpha` and has the colour `c`
-//! leaves `alpha · c` on black and `alpha · c + 1 - alpha` on white, in every mode and by every renderer.
+//! *Alpha* is found by drawing each tile on black and on white. A coverage of `alpha` by the colour `c` leaves `alpha ·
+//! c` on black and `alpha · c + 1 - alpha` on white, in every mode and by every renderer.
 
 use super::error::ExportError;
 use super::limits::MAX_EDGE_PX;
@@ -45,12 +44,12 @@ pub struct PictureSize {
     pub has_legend: bool,
     /// A bar of a round length is at the lower left.
     pub has_scale_bar: bool,
-    /// Longest edge of a part that is drawn at once; `None` for what suits the renderer.
+    /// Max edge of a tile; `None` for the renderer's default.
     pub part_edge_px: Option<u32>,
 }
 
 impl PictureSize {
-    /// An opaque picture.
+    /// An opaque image.
     pub fn opaque(size_px: [u32; 2]) -> Self {
         Self {
             size_px,
@@ -85,10 +84,10 @@ pub struct Picture<'a> {
     pub size: PictureSize,
 }
 
-/// Draws a picture whole.
+/// Draws an image whole.
 ///
 /// # Errors
-/// Of sizes beyond [`MAX_EDGE_PX`], and what the renderer says.
+/// Sizes beyond [`MAX_EDGE_PX`], and errors of the renderer.
 pub fn draw_picture(headless: &mut Headless, picture: &Picture<'_>) -> Result<RgbaImage, ExportError> {
     draw_observed(headless, picture, &Progress::default())
 }
@@ -108,10 +107,10 @@ fn draw_observed(
     Ok(RgbaImage::from_raw(width, height, pixels).unwrap_or_default())
 }
 
-/// Draws a picture to a file in the format of its name, which is replaced as a whole.
+/// Draws an image to a file in the format of its name, replacing the file as a whole.
 ///
 /// # Errors
-/// As [`draw_picture`], of names and pictures that [`PictureFormat`] refuses, and if the file cannot be written.
+/// As [`draw_picture`], names and images that [`PictureFormat`] refuses, and failures to write the file.
 pub fn write_picture(headless: &mut Headless, picture: &Picture<'_>, output: &Path) -> Result<(), ExportError> {
     write_picture_observed(headless, picture, output, &Progress::default())
 }
@@ -149,7 +148,7 @@ pub fn write_picture_observed(
     partial.finish().map_err(failed)
 }
 
-/// Draws a picture as PNG to `out`, which is named `name` in errors.
+/// Draws an image as PNG to `out`, which is named `name` in errors.
 ///
 /// # Errors
 /// As [`draw_picture`], and if it cannot be written.
@@ -204,7 +203,7 @@ pub fn check_size([width, height]: [u32; 2]) -> Result<(), ExportError> {
 
 type TakeStrip<'a> = &'a mut dyn FnMut(RgbaImage) -> Result<(), ExportError>;
 
-/// Draws strips of a picture from its upper edge to its lower one.
+/// Draws strips of an image from its upper edge to its lower one.
 fn for_each_strip(
     headless: &mut Headless,
     picture: &Picture<'_>,
@@ -290,7 +289,7 @@ fn for_each_strip(
     Ok(())
 }
 
-/// A part of a picture as it is drawn, in pixels: with the pixels around it that its own depend on.
+/// A tile of an image as it is drawn, in pixels: with the margin that its pixels depend on.
 struct PictureTile {
     /// Its upper left pixel.
     start: [u32; 2],
@@ -312,7 +311,7 @@ impl PictureTile {
     }
 }
 
-/// Says that so many parts are drawn. Fails once nobody wants the picture any more.
+/// Reports the number of drawn tiles. Fails once the export is cancelled.
 fn note_part(progress: &Progress, drawn: usize, total: usize) -> Result<(), ExportError> {
     progress.set(drawn, total);
     if progress.is_cancelled() {
@@ -342,7 +341,7 @@ fn draw_part(headless: &mut Headless, packet: &ScenePacket, is_transparent: bool
     Ok(on_black)
 }
 
-/// The colour and alpha of what looks like this on black and on white.
+/// The colour and alpha of a pixel, from its colours on black and on white.
 fn with_alpha(black: [u8; 4], white: [u8; 4]) -> [u8; 4] {
     let shines_through: u32 = (0..3)
         .map(|channel| u32::from(white[channel].saturating_sub(black[channel])))

@@ -1,4 +1,4 @@
-//! Formats of still pictures, and their encoding.
+//! Formats of still images, and their encoding.
 
 use super::limits::MAX_EDGE_PX;
 use image::codecs::jpeg::JpegEncoder;
@@ -84,7 +84,7 @@ impl fmt::Display for PictureFormat {
 /// Writes `image`; JPEG without its alpha.
 ///
 /// # Errors
-/// What stands in the way of writing, and sizes that the format cannot hold.
+/// Failures to write, and sizes that the format cannot hold.
 pub fn encode_picture(format: PictureFormat, image: &RgbaImage, out: impl Write + Seek) -> std::io::Result<()> {
     let (width, height) = image.dimensions();
     let is_opaque = image.pixels().all(|pixel| pixel[3] == u8::MAX);

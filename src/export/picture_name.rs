@@ -1,4 +1,4 @@
-//! The format that the name of a still picture says, and what it cannot hold.
+//! The format by the name of a still image, and its limits.
 
 use super::error::ExportError;
 use super::picture::check_size;
@@ -6,7 +6,7 @@ use super::picture_format::{FORMATS, PictureFormat, Row};
 use std::path::Path;
 
 impl PictureFormat {
-    /// The format that the extension of `path` says.
+    /// The format by the extension of `path`.
     ///
     /// # Errors
     /// [`ExportError::UnknownPicture`] for another extension, none, and an existing folder.

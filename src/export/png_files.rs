@@ -1,4 +1,4 @@
-//! A PNG file a picture, numbered.
+//! One numbered PNG file per image.
 
 use super::error::ExportError;
 use super::sink::{FrameSink, VideoStream};
@@ -34,7 +34,7 @@ pub fn has_placeholder(name: &Path) -> bool {
     placeholder(&name.to_string_lossy()).is_some()
 }
 
-/// A name with [`FRAME_PLACEHOLDER`] replaced by a number, padded so that the names of so many files sort.
+/// A name with [`FRAME_PLACEHOLDER`] replaced by a number, padded so that the names of `count` files sort.
 pub fn numbered(name: &Path, index: usize, count: usize) -> PathBuf {
     let default_digits = count.saturating_sub(1).to_string().len().max(4);
     let mut name = name.to_string_lossy().into_owned();
@@ -45,7 +45,7 @@ pub fn numbered(name: &Path, index: usize, count: usize) -> PathBuf {
     PathBuf::from(name)
 }
 
-/// The name, with a place for the number, of the pictures of a video to `output`: a folder, or such a name.
+/// The name, with a placeholder for the number, of the images of a video to `output`: a folder, or such a name.
 pub fn picture_names(output: &Path) -> PathBuf {
     if !output.is_dir() && has_placeholder(output) {
         output.to_owned()
@@ -54,7 +54,7 @@ pub fn picture_names(output: &Path) -> PathBuf {
     }
 }
 
-/// Files that get their names when all of them are there.
+/// Files that get their names when all of them are complete.
 pub(super) struct PngFiles {
     name: PathBuf,
     partials: Vec<Partial>,

@@ -1,15 +1,15 @@
-//! A scale bar in the pixels of a picture: a bar with ends and a length, light with a dark rim, so that it is read
-//! before anything.
+//! A scale bar in the pixels of an image: a bar with ends and a length, light with a dark outline, so that it is
+//! legible on any background.
 //!
-//! It is as large in a picture of any size as in one of 720 rows. Strokes are covered by how far pixels are from them;
-//! the rim is the same with wider strokes.
+//! It scales with the image, from its size at 720 rows. Coverage of strokes is by the distance of pixels from them; the
+//! outline is the same with wider strokes.
 
 use super::strokes::{Stroke, text_strokes};
 use crate::cloud::LengthUnit;
 use crate::scene::{Camera, ScaleBar};
 use image::{Rgba, RgbaImage};
 
-/// Sizes in a picture with so many rows, in pixels.
+/// Number of rows of an image with the sizes below, in pixels.
 const ROWS: f64 = 720.0;
 const MARGIN: f32 = 16.0;
 const DIGITS: f32 = 11.0;
@@ -18,7 +18,7 @@ const END: f32 = 3.5;
 const STROKE: f32 = 1.7;
 const RIM: f32 = 1.4;
 
-/// Colours of bar and rim, and how much the rim hides.
+/// Colours of bar and outline, and opacity of the outline.
 const LIGHT: f32 = 245.0;
 const DARK: f32 = 20.0;
 const RIM_OPACITY: f32 = 0.65;
@@ -26,7 +26,7 @@ const RIM_OPACITY: f32 = 0.65;
 /// Stroke coverage of a rectangle of pixels.
 #[derive(Debug)]
 pub(super) struct PaintedBar {
-    /// The upper left pixel in the picture.
+    /// The upper left pixel in the image.
     start_px: [u32; 2],
     size_px: [u32; 2],
     /// Coverage of each pixel by the bar and by its edge, 0 to 255.
@@ -34,7 +34,7 @@ pub(super) struct PaintedBar {
 }
 
 impl PaintedBar {
-    /// The bar for a picture; `None` where there is no length, or no room.
+    /// The bar for an image; `None` where there is no length, or not enough space.
     pub(super) fn of(camera: &Camera, [width, height]: [u32; 2], unit: Option<LengthUnit>) -> Option<Self> {
         let scale = (f64::from(height) / ROWS).max(0.5);
         let bar = ScaleBar::of(camera, f64::from(height), scale, unit)?;
@@ -71,7 +71,7 @@ impl PaintedBar {
         })
     }
 
-    /// Paints over the rows of a picture that begin at `top`.
+    /// Paints over the rows of an image that begin at `top`.
     pub(super) fn paint(&self, rows: &mut RgbaImage, top: u32) {
         let [left, first] = self.start_px;
         let [width, height] = self.size_px;
@@ -148,7 +148,7 @@ mod tests {
         Camera::framing(&bounds, DVec3::ZERO, UpAxis::Z)
     }
 
-    /// The longest row of the picture that is as light as the bar.
+    /// The longest row of the image that is as light as the bar.
     fn longest_light_row(picture: &RgbaImage) -> usize {
         let rows = picture.rows().map(|row| {
             let light: Vec<bool> = row.map(|pixel| pixel.0[0] > 200).collect();

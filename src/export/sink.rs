@@ -3,16 +3,16 @@
 use super::error::ExportError;
 use image::RgbaImage;
 
-/// Takes the pictures of a video one after the other. What is dropped before it is finished leaves nothing.
+/// Takes the images of a video one after the other. A sink dropped before it is finished leaves nothing.
 pub trait FrameSink: Send {
-    /// Appends a picture of the size that the sink was opened for.
+    /// Appends an image of the size that the sink was opened for.
     fn push(&mut self, picture: &RgbaImage) -> Result<(), ExportError>;
 
     /// Finishes the video after all frames were added: it gets its name, replacing any file of that name.
     fn finish(self: Box<Self>) -> Result<(), ExportError>;
 }
 
-/// The pictures of a video.
+/// The images of a video.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VideoStream {
     /// Width and height of all of them.

@@ -1,4 +1,4 @@
-//! Letters of straight strokes, for the few words that stand in pictures: they are drawn at any size, and need no font.
+//! Letters of straight strokes, for the few words in images: drawn at any size, without a font.
 
 /// A stroke from one place to another.
 pub(super) type Stroke = [[f32; 2]; 2];

@@ -16,7 +16,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
 
-/// Pictures that wait to be encoded.
+/// Images that wait to be encoded.
 const WAITING_PICTURES: usize = 2;
 
 /// Contents of a video and its render settings.
@@ -42,7 +42,7 @@ impl Video<'_> {
         self.path.picture_count(self.per_second / self.speed)
     }
 
-    /// The pictures, for [`open_sink`].
+    /// The images, for [`open_sink`].
     pub fn stream(&self) -> VideoStream {
         VideoStream {
             size_px: self.size.size_px,
@@ -53,7 +53,7 @@ impl Video<'_> {
     }
 }
 
-/// A picture is drawn.
+/// An image was drawn.
 #[derive(Debug, Clone)]
 pub struct PictureDone {
     /// Number of finished frames.
@@ -67,12 +67,12 @@ pub struct PictureDone {
     pub problems: Vec<String>,
 }
 
-/// Draws a video to the file or files that `output` names; `progress` counts the pictures and may be cancelled; `tell`
-/// hears of each. Frames that cannot be read are returned; in their place stands the frame before them.
+/// Draws a video to the file or files that `output` names; `progress` counts the images and may be cancelled; `tell` is
+/// called for each. Frames that cannot be read are returned; the frame before is shown instead.
 ///
 /// # Errors
-/// What the format has not, what stands in the way of reading the first frame, drawing or writing, and
-/// [`ExportError::Cancelled`]. Nothing is left of the video then.
+/// Limits of the format, failures to read the first frame, to draw or to write, and [`ExportError::Cancelled`]. Nothing
+/// is left of the video then.
 pub fn export_video(
     headless: &mut Headless,
     video: &Video<'_>,
@@ -149,7 +149,7 @@ fn draw_pictures(
     progress.set(0, total);
     let mut failed: Vec<(usize, FrameError)> = Vec::new();
     let mut shown: Option<Arc<PreparedFrame>> = None;
-    // What is drawn for the current frame: composed once for all images that show it.
+    // The drawn content of the current frame: composed once for all images that show it.
     let mut composed: Option<(Arc<PreparedFrame>, Composed)> = None;
     let at = |picture: usize| {
         let seconds = picture as f64 * video.speed / video.per_second;

@@ -1,8 +1,8 @@
-//! Animated WebP files, lossless: pictures by the encoder of the crate `image`, and the container around them.
+//! Animated WebP files, lossless: images by the encoder of the crate `image`, and the container around them.
 //!
-//! How it works: a RIFF file whose chunk `VP8X` says the size, `ANIM` that it repeats for ever, and each `ANMF` a
-//! picture: where the part lies that is not as before, how long it is shown, and its pixels (`VP8L`). See the WebP
-//! container specification (<https://developers.google.com/speed/webp/docs/riff_container>).
+//! How it works: a RIFF file with the size in the chunk `VP8X`, endless repetition in `ANIM`, and an image in each
+//! `ANMF`: the rectangle that changed, its duration, and its pixels (`VP8L`). See the WebP container specification
+//! (<https://developers.google.com/speed/webp/docs/riff_container>).
 
 use super::changes::{ChangedRect, changed_part};
 use super::error::ExportError;
@@ -16,13 +16,13 @@ use std::path::{Path, PathBuf};
 
 const IS_ANIMATED: u8 = 0x02;
 const HAS_ALPHA: u8 = 0x10;
-/// A part replaces what was there, alpha included.
+/// A part replaces the pixels before it, alpha included.
 const DO_NOT_BLEND: u8 = 0x02;
 
 /// A WebP that is being written.
 pub(super) struct WebpFile {
     output: PathBuf,
-    /// Closed before what was written is removed.
+    /// Closed before its output is removed.
     file: BufWriter<File>,
     partial: Partial,
     stream: VideoStream,
@@ -61,7 +61,7 @@ impl WebpFile {
         })
     }
 
-    /// Appends a part of a picture.
+    /// Appends a part of an image.
     fn write(&mut self, part: ChangedRect, pixels: &[u8]) -> Result<(), ExportError> {
         let [width, height] = part.size;
         let opaque: Vec<u8>;

@@ -30,13 +30,13 @@ type Decode = fn(&Encoded<'_>) -> Result<RawCloud, Fault>;
 /// The frames in a file of a format that are read one by one, of the topic that is named.
 type ContentsOf = fn(&Path, Format, Option<&str>, &ReadOptions) -> Result<Contents, IoError>;
 
-/// Camera topics published in a file of a format; also where it has point clouds, if asked for.
+/// Camera topics published in a file of a format; also where it has point clouds, if requested.
 type CamerasOf = fn(&Path, Format, bool, &ReadOptions) -> Result<CameraTopics, IoError>;
 
 /// The frames in a file.
 type List = fn(&Path, &ReadOptions) -> Result<Vec<Entry>, IoError>;
 
-/// Normals as they stand in the file, a row each.
+/// Normals as stored in the file, one per row.
 type Normals = fn(&[u8], &ReadOptions, &Progress) -> Result<Vec<[f32; 3]>, Fault>;
 
 /// A format, and how it is read and written.
@@ -51,7 +51,7 @@ pub(super) struct Codec {
     pub(super) cameras: Option<CamerasOf>,
     /// Column access, for formats whose points are rows with named columns.
     pub(super) columns: Option<NamedColumns>,
-    /// The ways to write it.
+    /// Its encoders.
     pub(super) encoders: &'static [&'static Encoder],
 }
 
@@ -60,7 +60,7 @@ pub(super) struct NamedColumns {
     /// Layout of the point rows in a file that begins with the given bytes, if they can be read without the whole of
     /// it.
     pub(super) fixed_rows: fn(&[u8]) -> Option<FixedRows>,
-    /// Names of what each point has in a file that begins so.
+    /// Names of the point attributes in a file with these first bytes.
     pub(super) point_names: fn(&[u8]) -> Option<Vec<String>>,
     /// The normals in a file that may have no points.
     pub(super) normals: Normals,
@@ -80,7 +80,7 @@ impl Codec {
         }
     }
 
-    /// A format of which the frames are read one by one.
+    /// A format whose frames are read one by one.
     pub(super) const fn container(format: Format, contents: ContentsOf) -> Self {
         Self {
             contents: Some(contents),
@@ -93,7 +93,7 @@ impl Codec {
         }
     }
 
-    /// A format of messages, which may be those of cameras.
+    /// A format of messages, possibly camera messages.
     pub(super) const fn recording(format: Format) -> Self {
         Self {
             cameras: Some(recording::cameras),

@@ -31,7 +31,7 @@ pub enum Part {
 /// A frame in a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Entry {
-    /// Name for people, and for its number; empty where the file's own name says it all.
+    /// Name for display, and for its number; empty where the file's own name suffices.
     pub name: String,
     /// Timestamp of the frame, relative to the epoch of the file.
     pub time: Option<Duration>,
@@ -55,7 +55,7 @@ impl Entry {
 pub struct Topic {
     /// Its name, such as `/lidar/points`; of a sensor its address with the port that it sends to.
     pub name: String,
-    /// Number of its messages, or turns.
+    /// Number of its messages, or revolutions.
     pub cloud_count: usize,
     /// True if the point clouds of this topic are the frames.
     pub is_read: bool,
@@ -73,7 +73,7 @@ pub struct Contents {
     pub notes: Vec<String>,
     /// Damage: truncated or corrupt places of the file and the data lost, one sentence each; not among the notes.
     pub damage: Vec<String>,
-    /// The content of a file without frames, and what to do, as the end of a sentence; else empty.
+    /// The content of a file without frames, and a remedy, as the end of a sentence; else empty.
     pub without_frames: String,
 }
 

@@ -41,7 +41,7 @@ impl Format {
         formats().find(|format| format.has_extension_of(name))
     }
 
-    /// Returns true if rows of this format have named columns, so that normals may lie in a file of their own.
+    /// Returns true if rows of this format have named columns, so that normals may be in a separate file.
     pub fn names_columns(self) -> bool {
         self.codec().is_some_and(|codec| codec.columns.is_some())
     }

@@ -1,4 +1,4 @@
-//! Why a file cannot be read: which one, where in it, what was expected and what to do.
+//! Errors of reading a file: its name, the position, the expectation and the remedy.
 
 use super::format::Format;
 use crate::io::options::ReadOptions;
@@ -7,7 +7,7 @@ pub(super) use crate::memory::mebibytes;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// Why there is no cloud.
+/// Errors of reading a cloud.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum IoError {
@@ -52,7 +52,7 @@ pub enum IoError {
     Foreign {
         /// The file.
         path: PathBuf,
-        /// Its name, the programs that write it, and the way to a file that is read.
+        /// Its name, the programs that write it, and how to convert it.
         kind: &'static Foreign,
     },
     /// Neither the first bytes nor the extension are of a format that is read.
@@ -79,7 +79,7 @@ pub enum IoError {
         path: PathBuf,
         /// Its format.
         format: Format,
-        /// Its content, and what to do.
+        /// Its content, and a remedy.
         holds: String,
     },
     /// A file whose frames could not be listed when it was opened, and can be now.
@@ -102,7 +102,7 @@ pub enum IoError {
         format: Format,
         /// Position in the file.
         place: Place,
-        /// Description of what was found and what was expected.
+        /// Description of the found and the expected content.
         problem: String,
     },
 }
@@ -156,7 +156,7 @@ impl IoError {
 pub(super) struct Fault {
     pub(super) place: Place,
     pub(super) problem: String,
-    /// Nothing is wrong: nobody waits for it any more.
+    /// Not a fault: the read was cancelled.
     is_cancelled: bool,
 }
 
@@ -203,7 +203,7 @@ impl Fault {
         ))
     }
 
-    /// Returns the error of a decoder that was cancelled because nobody waits for its result any more.
+    /// Returns the error of a cancelled decoder.
     pub(super) fn cancelled() -> Self {
         Self {
             is_cancelled: true,

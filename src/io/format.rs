@@ -14,7 +14,7 @@ pub(super) struct Traits {
     pub(super) name: &'static str,
     /// Without dot, in lower case.
     pub(super) extensions: &'static [&'static str],
-    /// Bytes by which a file is known whatever its name; any of them is enough.
+    /// Magic bytes that identify a file whatever its name; any of them is enough.
     pub(super) magic: &'static [Magic],
     /// True if its magic is shared with another format, so that it counts only with its own extension.
     pub(super) needs_extension: bool,
@@ -26,7 +26,7 @@ pub(super) struct Traits {
     /// The unit of coordinates, where all files have the same.
     pub(super) unit: Option<LengthUnit>,
     pub(super) holds: Holding,
-    /// True if files are surfaces (meshes) of which the vertices alone show little.
+    /// True if files are surfaces (meshes) whose vertices alone show little.
     pub(super) is_for_meshes: bool,
     /// True if timestamp lists accompany folders of such files.
     pub(super) has_time_sidecar: bool,
@@ -43,9 +43,9 @@ pub(super) enum Holding {
     TimeSteps,
     /// Layers of an array.
     Layers,
-    /// Rows of text, which may be those of several frames.
+    /// Rows of text, possibly of several frames.
     Blocks,
-    /// Files, messages or packets, of which some are a frame.
+    /// Files, messages or packets, some of which form a frame.
     Parts,
 }
 
@@ -70,7 +70,7 @@ impl Magic {
 }
 
 impl Traits {
-    /// One cloud a file, of which nothing is known.
+    /// One cloud per file, without further properties.
     pub(super) const PLAIN: Self = Self {
         name: "",
         extensions: &[],
@@ -145,7 +145,7 @@ impl Format {
         self.0.holds == Holding::Parts
     }
 
-    /// Returns true for mesh formats, whose files are surfaces of which the vertices alone show little.
+    /// Returns true for mesh formats, whose files are surfaces whose vertices alone show little.
     pub fn is_for_meshes(self) -> bool {
         self.0.is_for_meshes
     }

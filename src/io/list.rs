@@ -11,8 +11,7 @@ use std::io::Read as _;
 use std::path::Path;
 
 /// Lists the contents of the file at `path`; a file of one frame is not read beyond its first bytes. In a recording,
-/// the point clouds of `topic` are the frames: none if it has no such topic, those of the topic that has the most if
-/// `None`.
+/// the point clouds of `topic` are the frames: none if it has no such topic; if `None`, the topic with the most clouds.
 pub fn contents(path: &Path, topic: Option<&str>, options: &ReadOptions) -> Result<Contents, IoError> {
     match Format::detect(path, &first_bytes(path)?) {
         Some(format) => list_format(path, format, topic, options),
@@ -26,7 +25,7 @@ pub fn list(path: &Path, options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
 }
 
 /// Returns the camera topics in the recording at `path`: none where it is not a recording, and where it has point
-/// clouds, unless cameras are asked for `with_clouds`.
+/// clouds, unless cameras are requested `with_clouds`.
 pub(crate) fn cameras(path: &Path, with_clouds: bool, options: &ReadOptions) -> Result<CameraTopics, IoError> {
     let format = Format::detect(path, &first_bytes(path)?);
     let cameras = format.and_then(|format| Some((format, format.codec()?.cameras?)));

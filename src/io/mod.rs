@@ -1,11 +1,11 @@
 //! Reading and writing point clouds as other programs do.
 //!
-//! Well-kept crates read what is intricate (ARCHITECTURE.md, "Libraries"). The payload of simple formats is ours: the
-//! crates' readers make a value a property or a row, which takes about 40 times as long or more, and one of them
-//! allocates what a header merely claims. Here every size is checked against the bytes there are, or against
+//! Well-maintained crates read intricate formats (ARCHITECTURE.md, "Libraries"). The payload of simple formats is ours:
+//! the crates' readers create one value per property or row, which takes about 40 times as long or more, and one of
+//! them allocates the unverified claims of a header. Here every size is checked against the bytes there are, or against
 //! [`ReadOptions::max_memory_bytes`], before anything is allocated for it.
 //!
-//! To add a format: a file in `formats` with its [`Format`] and what decodes it, and a row of the table there.
+//! To add a format: a file in `formats` with its [`Format`] and decoder, and a row of the table there.
 
 mod codec;
 pub(crate) mod columns;

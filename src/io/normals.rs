@@ -19,10 +19,10 @@ use crate::progress::Progress;
 use std::io::Read as _;
 use std::path::Path;
 
-/// Most that is read of a file to find out what it holds: headers have a few hundred bytes.
+/// Max bytes read of a file to determine its content: headers have a few hundred bytes.
 const HEAD_BYTES: u64 = 1 << 16;
 
-/// Lines of a text that are looked at.
+/// Number of examined lines of a text.
 const TEXT_LINES: usize = 8;
 
 /// Contents of the rows of a file.
@@ -61,7 +61,8 @@ pub(crate) fn rows_of(path: &Path) -> Option<RowContents> {
     })
 }
 
-/// Text whose lines have fewer than three numbers holds no points. One such line says nothing: it may count the points.
+/// Text whose lines have fewer than three numbers holds no points. One such line is not conclusive: it may count the
+/// points.
 fn rows_of_text(head: &[u8]) -> Option<RowContents> {
     let is_separator = |byte: &u8| byte.is_ascii_whitespace() || b",;".contains(byte);
     let numbers_in = |line: &[u8]| {
@@ -74,8 +75,9 @@ fn rows_of_text(head: &[u8]) -> Option<RowContents> {
     (counts.len() > 1 && counts.iter().all(|&count| count < 3)).then_some(RowContents::Other)
 }
 
-/// Reads a whole file like [`crate::io::read_part_observed`], with the normals in the file at `normals`. Normals of its
-/// own take precedence. Normals that cannot be read, or are not as many as the points, are skipped with a warning.
+/// Reads a whole file like [`crate::io::read_part_observed`], with the normals in the file at `normals`. The file's own
+/// normals take precedence. Normals that cannot be read, or whose number differs from the points', are skipped with a
+/// warning.
 pub(crate) fn read_with_normals(
     path: &Path,
     normals: &Path,

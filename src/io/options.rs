@@ -1,4 +1,4 @@
-//! Memory that reading may take, and what it makes of meshes.
+//! Memory limit of reading, and treatment of meshes.
 
 use crate::io::columns::column_map::ColumnMap;
 use crate::io::format::Format;

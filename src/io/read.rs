@@ -114,9 +114,9 @@ fn read_watched(path: &Path, part: &Part, options: &ReadOptions, progress: &Prog
     read_bytes_with(path, &bytes, part, options, progress)
 }
 
-/// At most `max_points` of the points in the file at `path`, and how many it has, where its rows are of one length and
-/// it has at least `min_points`: one point in each of as many equal parts, without the rest being read. `None`
-/// otherwise, and where looking for them takes longer than `max_time`.
+/// At most `max_points` of the points in the file at `path`, and its number of points, if its rows have one length and
+/// it has at least `min_points`: one point in each of `max_points` equal parts, without reading the rest. `None`
+/// otherwise, and if finding them takes longer than `max_time`.
 pub(crate) fn read_sample(
     path: &Path,
     max_points: usize,
@@ -148,8 +148,8 @@ fn fixed_rows(path: &Path, magic: &[u8]) -> Option<(Format, FixedRows)> {
     rows.map(|rows| (format, rows))
 }
 
-/// Reads the cloud in `bytes`; `name` stands in error messages, and its extension tells the format where the first
-/// bytes do not.
+/// Reads the cloud in `bytes`; `name` is used in error messages, and its extension determines the format where the
+/// first bytes do not.
 pub fn read_bytes(name: &Path, bytes: &[u8]) -> Result<RawCloud, IoError> {
     let (options, progress) = (ReadOptions::default(), Progress::default());
     read_bytes_with(name, bytes, &Part::Whole, &options, &progress)

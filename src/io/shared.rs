@@ -15,8 +15,8 @@ use crate::progress::Progress;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
-/// The last file of which several frames were read from something that they share: the scene of an animation, arrays
-/// with layers or the rows of a text, once for each way to read it. Other formats have their frames one by one.
+/// The last file whose frames share data: the scene of an animation, arrays with layers or the rows of a text, once per
+/// set of reading options. Other formats have their frames one by one.
 #[derive(Default)]
 pub struct SharedFile {
     last: Mutex<Vec<Opened>>,

@@ -32,11 +32,11 @@ impl SelectView {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LodMetric {
-    /// By the edge of its cell, in pixels. That of a sphere is the edge of the cube that it is around.
+    /// By the edge of its cell, in pixels. A sphere counts as the cube that it encloses.
     #[default]
     Edge,
     /// By the area of its disk, `ε = f·A/d²` (Sainz and Pajarola 2004 §4.1), against the square of the LOD threshold in
-    /// pixels. That of a cell is around its bounding sphere, and seen from the front, as cells of most levels know no
+    /// pixels. A cell's disk is that of its bounding sphere, seen from the front, as cells of most levels have no
     /// normals.
     Area,
 }
@@ -80,9 +80,9 @@ pub(super) struct NodeRange {
     pub(super) points: Range<usize>,
 }
 
-/// Nodes of a structure that stand for the cloud in one view: they cover every leaf that can be seen, none twice.
+/// Nodes of a structure that represent the cloud in one view: they cover every leaf that can be seen, none twice.
 ///
-/// Those of an octree come in Morton order within every octant of the root's octants, and those nearest first.
+/// Nodes of an octree come in Morton order within every octant of the root's octants, and these nearest first.
 #[derive(Debug, Clone, Default)]
 pub struct Cut {
     /// Nodes of structures that keep none in memory.
@@ -98,7 +98,7 @@ pub struct Cut {
 #[derive(Debug, Clone, Default)]
 pub(super) struct ListedNodes {
     pub(super) drawn: Vec<u32>,
-    /// The spheres of those that are drawn, where they are only known on the way from the root.
+    /// The spheres of the drawn nodes, where they are only known on the way from the root.
     pub(super) spheres: Vec<Sphere>,
     /// Those that were divided, for hysteresis.
     pub(super) divided: Vec<u32>,
@@ -115,7 +115,7 @@ impl ListedNodes {
         self.duplicates += other.duplicates;
     }
 
-    /// The cut of these nodes, for which so many were looked at.
+    /// The cut of these nodes, and the number of nodes tested for it.
     pub(super) fn into_cut(self, looked_at: usize, lod_px: f32) -> Cut {
         Cut {
             tested: Tested {
@@ -186,7 +186,7 @@ impl Cut {
 pub struct CutHints<'a> {
     /// Nodes whose points all face away from the eye may be dropped.
     pub culls_back_faces: bool,
-    /// The cut of the view before, of the same points: near the threshold, what was divided stays so, and what was not
-    /// stays whole. Without it a node is divided or not by the threshold alone.
+    /// The cut of the previous view, of the same points: near the threshold, divided nodes stay divided, and others
+    /// stay whole. Without it a node is divided or not by the threshold alone.
     pub before: Option<&'a Cut>,
 }

@@ -6,13 +6,13 @@ use super::spheres::SphereKind;
 /// Key of the requested levels of detail: the structure, and its stop criterion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LevelsKey {
-    /// The structure, and what is drawn for its nodes.
+    /// The structure, and the primitive drawn for its nodes.
     pub kind: LevelsKind,
     /// Stop criterion of the octree that it is made from, if it is made from one.
     pub stop: StopCriterion,
 }
 
-/// A structure of levels of detail, and what is drawn for its nodes.
+/// A structure of levels of detail, and the primitive drawn for its nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LevelsKind {
     /// All points as surfels, or every second, fourth, eighth of them.

@@ -1,9 +1,9 @@
 //! The plain list: levels of detail without a structure (the list of Sainz and Pajarola 2004).
 //!
-//! How it works: the points stand in Morton order, so every second, fourth or eighth of them is spread as evenly as all
+//! How it works: the points are in Morton order, so every second, fourth or eighth of them is spread as evenly as all
 //! are. Level `depth` is the whole list, each level above it half of the one below, with radii that close the surface
-//! of so many points. Nothing is built, nothing is culled, and a list knows no sizes on the screen: a threshold draws
-//! all points, a level, a number or a time as many as it says.
+//! of that many points. Nothing is built, nothing is culled, and a list knows no screen-space sizes: a threshold draws
+//! all points; a level, a number or a time sets how many are drawn.
 //!
 //! When it wins: where a frame is seen once, from outside, and there is no time to build a tree.
 
@@ -24,7 +24,7 @@ impl PointList {
     /// The list of these records.
     ///
     /// # Panics
-    /// Precondition: as many of both.
+    /// Precondition: the same number of both.
     pub fn new(points: Arc<Vec<PointRecord>>, shapes: Arc<Vec<ShapeRecord>>) -> Self {
         assert_eq!(points.len(), shapes.len(), "one shape a point");
         Self { points, shapes }
@@ -40,7 +40,7 @@ impl PointList {
         self.points.len().next_power_of_two().ilog2()
     }
 
-    /// The points of a level are those whose place is a multiple of this.
+    /// The points of a level are those whose index is a multiple of this.
     fn step(&self, level: u32) -> usize {
         1 << (self.depth() - level.min(self.depth()))
     }
@@ -143,7 +143,7 @@ mod tests {
         }
     }
 
-    /// The places of what is drawn, and the factor on its radii.
+    /// The indices of the drawn records, and the factor on their radii.
     fn drawn(list: &PointList, cut: &Cut) -> (Vec<usize>, f32) {
         let Records::Surfels { points, shapes } = list.write(cut, usize::MAX, RecordBuffers::default()) else {
             panic!("a list is drawn as surfels");

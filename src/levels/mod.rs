@@ -1,6 +1,6 @@
-//! Levels of detail: structures that choose, for a view, what stands for a cloud.
+//! Levels of detail: structures that choose, for a view, the nodes that represent a cloud.
 //!
-//! A structure implements [`Levels`]: it cuts itself for a view and writes the records of what the cut consists of.
+//! A structure implements [`Levels`]: it cuts itself for a view and writes the records of the cut's nodes.
 //! [`Lod`] is the policy that says how fine a cut is wanted, whatever the structure.
 
 mod cut;

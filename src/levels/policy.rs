@@ -7,14 +7,14 @@ use super::structure::Levels;
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Lod {
-    /// Cells whose edge projects below so many pixels are not divided; 0 always descends to the leaves.
+    /// Cells whose edge projects below this many pixels are not divided; 0 always descends to the leaves.
     ThresholdPx(f32),
     /// All cells of one level, and the leaves above it.
     Level(u32),
-    /// The finest picture of at most so many voxels: the smallest threshold that draws no more.
+    /// The finest image of at most this many voxels: the smallest threshold that draws no more.
     Budget(u32),
-    /// As many voxels as are drawn in so many milliseconds. The number follows the times of the pictures before, so
-    /// that what is drawn depends on the machine.
+    /// As many voxels as are drawn in this many milliseconds. The number follows the times of earlier images, so the
+    /// result depends on the machine.
     FrameTimeMs(f32),
 }
 
@@ -25,7 +25,7 @@ impl Default for Lod {
 }
 
 impl Lod {
-    /// The nodes of `levels` that stand for the cloud in `view`, and the threshold in pixels that they come from, if
+    /// The nodes of `levels` that represent the cloud in `view`, and the threshold in pixels that they come from, if
     /// they come from one. `affordable` is their number for [`Lod::FrameTimeMs`].
     pub fn cut(
         self,
@@ -92,7 +92,7 @@ impl Affordable {
         (f64::from(self.step) / 8.0).exp2() as u32
     }
 
-    /// Takes notice that a picture of `drawn` voxels took `measured_ms` where `asked_ms` are wanted.
+    /// Records that an image of `drawn` voxels took `measured_ms` where `asked_ms` are wanted.
     pub fn learn(&mut self, drawn: usize, measured_ms: f64, asked_ms: f64) {
         let ratio = asked_ms / measured_ms;
         if !ratio.is_finite() || ratio <= 0.0 {
@@ -101,7 +101,7 @@ impl Affordable {
         // An image that could not use its budget says nothing about larger ones.
         let used_up = drawn as f64 >= 0.7 * f64::from(self.voxels());
         if ratio < 0.8 || ratio > 1.25 && used_up {
-            // Half of the way, at most an octave: part of the time does not depend on the voxels.
+            // Halfway, at most an octave: part of the time does not depend on the voxels.
             let octaves = (0.5 * ratio.log2()).clamp(-1.0, 1.0);
             let steps = (8.0 * octaves).round() as i32;
             let step = self.step

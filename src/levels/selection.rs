@@ -4,8 +4,8 @@
 //! bytes per node, or merely a step for the plain list and a rule for a sequence, whose nodes it tests. Elsewhere, and
 //! if they do not fit, the drawn records of a cut are *gathered*.
 //!
-//! When it wins: for a view that moves about a frame. For a frame that is seen once, all records are more than those of
-//! a cut. So structures return indices once they have written the same number of records as they have nodes
+//! When it wins: for a view that moves about a frame. For a frame that is seen once, all records are more than the
+//! cut's. So structures return indices once they have written the same number of records as they have nodes
 //! ([`CachedNodes`]).
 
 use super::spheres::filter::SequenceFilter;
@@ -17,7 +17,7 @@ use std::sync::{Arc, OnceLock};
 /// Nodes that are worth handing to another thread.
 const NODES_PER_TASK: usize = 1 << 12;
 
-/// Records of all nodes of a structure: as many of both.
+/// Records of all nodes of a structure: the same number of both.
 #[derive(Debug, Clone)]
 pub struct NodeRecords {
     /// Positions and colours.
@@ -29,11 +29,11 @@ pub struct NodeRecords {
 /// Selection of the records that are drawn, in this order.
 #[derive(Debug)]
 pub enum Selection {
-    /// Those at these places.
+    /// Those at these indices.
     At(Vec<u32>),
     /// Candidates of a sequence that pass a test.
     Filtered(Box<SequenceFilter>),
-    /// Every one whose place is a multiple of a step, with wider disks.
+    /// Every one whose index is a multiple of a step, with wider disks.
     Every {
         /// From one to the next; at least 1.
         step: u32,
@@ -73,7 +73,7 @@ impl Selection {
     /// The records that are drawn, in the memory of these.
     ///
     /// # Panics
-    /// Precondition: places are those of `nodes`.
+    /// Precondition: the indices are those of `nodes`.
     pub fn gathered(
         &self,
         nodes: &NodeRecords,
@@ -122,13 +122,13 @@ pub(super) struct CachedNodes {
 }
 
 impl CachedNodes {
-    /// The records of all nodes, if they are kept.
+    /// The records of all nodes, if they are cached.
     pub(super) fn known(&self) -> Option<&NodeRecords> {
         self.records.get()
     }
 
-    /// The records of all of `node_count` nodes, where as many were written before: a view that moves has then paid at
-    /// most twice, and a frame that is seen once pays for what it draws.
+    /// The records of all of `node_count` nodes, where as many were written before: a moving view has then paid at most
+    /// twice, and a frame that is seen once pays for its cut.
     pub(super) fn records(
         &self,
         about_to_be_written: usize,

@@ -15,7 +15,7 @@ use std::sync::Arc;
 pub struct CloudRecords<'a> {
     /// Positions, as in `points`.
     pub positions: &'a [Vec3],
-    /// The colours of `points`, where somebody has them side by side.
+    /// The colours of `points`, where they exist as an array.
     pub colors: Option<&'a [[u8; 4]]>,
     /// Positions and colours.
     pub points: &'a Arc<Vec<PointRecord>>,
@@ -41,7 +41,7 @@ pub struct LevelsSet {
     made: Option<ShapeLevels>,
 }
 
-/// Levels that are made of shapes.
+/// Levels built from shapes.
 #[derive(Debug, Clone)]
 enum ShapeLevels {
     List(Arc<PointList>),
@@ -52,7 +52,7 @@ enum ShapeLevels {
 }
 
 impl LevelsSet {
-    /// The octree, if anything was asked for that is made from one.
+    /// The octree, if anything built from one was requested.
     pub fn octree(&self) -> Option<&Arc<Octree>> {
         self.octree.as_ref().map(|(_, octree)| octree)
     }
@@ -118,10 +118,10 @@ impl LevelsSet {
         }
     }
 
-    /// These levels with what is asked for, and what was built for it. The octree stays, as others are made from it;
-    /// what is made of it goes when nobody asks for it.
+    /// These levels with the requested structure, and the data built for it. The octree stays, as others are made from
+    /// it; data derived from it is dropped when it is no longer requested.
     ///
-    /// Precondition: what is there was made of `cloud`.
+    /// Precondition: the existing levels were built from `cloud`.
     #[must_use]
     pub fn completed(&self, key: Option<LevelsKey>, cloud: &CloudRecords<'_>) -> (Self, LevelsWork) {
         let mut work = LevelsWork::default();
@@ -164,7 +164,7 @@ impl LevelsSet {
         Self::default().completed(key, cloud).0
     }
 
-    /// Most bytes that they come to.
+    /// Maximum size in bytes.
     pub fn byte_size(&self) -> usize {
         let octree = self.octree().map_or(0, |octree| octree.byte_size());
         let surfels = self.surfels().map_or(0, |surfels| surfels.max_bytes());
@@ -178,7 +178,7 @@ impl LevelsSet {
 }
 
 impl ShapeLevels {
-    /// Levels of a kind; `None` for those that are made of no shapes. Precondition: the octree, if the kind needs one.
+    /// Levels of a kind; `None` for those not built from shapes. Precondition: the octree, if the kind needs one.
     fn of(
         kind: LevelsKind,
         octree: Option<&Arc<Octree>>,
@@ -209,7 +209,7 @@ impl ShapeLevels {
         })
     }
 
-    /// Returns true if they are made of these.
+    /// Returns true if they were built from these.
     fn is_of(
         &self,
         octree: Option<&Arc<Octree>>,

@@ -5,11 +5,11 @@ use super::selection::{NodeRecords, Selection};
 use crate::cloud::{PointRecord, ShapeRecord, VoxelRecord};
 use std::fmt::Debug;
 
-/// Levels of detail of one cloud: which nodes stand for it in a view, and what is drawn for them.
+/// Levels of detail of one cloud: the nodes that represent it in a view, and the records drawn for them.
 ///
-/// It is asked once for a picture, so that the loops within are compiled for the one structure.
+/// It is called once per image, so that its inner loops are compiled for one structure.
 pub trait Levels: Debug + Send + Sync {
-    /// The nodes that stand for the cloud in `view`: they cover every leaf that can be seen, none twice.
+    /// The nodes that represent the cloud in `view`: they cover every leaf that can be seen, none twice.
     fn cut(&self, view: &SelectView, hints: CutHints<'_>) -> Cut;
 
     /// Writes the records drawn for a cut of these levels, in the memory of `buffers`. Mere decoration of nodes, such
@@ -17,8 +17,8 @@ pub trait Levels: Debug + Send + Sync {
     fn write(&self, cut: &Cut, max_records: usize, buffers: RecordBuffers) -> Records;
 
     /// Selects the records of the cut as indices into persistent records, for renderers that keep these on the GPU.
-    /// `None` if there are no such records, or not yet: see [`Levels::write`]. Of `buffers`, only the memory for
-    /// indices is taken.
+    /// `None` if there are no such records, or not yet: see [`Levels::write`]. Only the index memory of `buffers` is
+    /// used.
     fn select(&self, _cut: &Cut, _buffers: &mut RecordBuffers) -> Option<Records> {
         None
     }
@@ -38,8 +38,8 @@ pub trait Levels: Debug + Send + Sync {
     /// Cells that the eye is in are always divided, so that around it some more are emitted than a very small number.
     ///
     /// How it works: a higher threshold never emits more, so thresholds are bisected. Counting is cheap compared with
-    /// drawing: it reads a byte for each point that is drawn. A cut before is only remembered for hysteresis where it
-    /// still fits: a threshold that emits at least three quarters of what is allowed stays.
+    /// drawing: it reads a byte for each point that is drawn. A previous cut is only remembered for hysteresis where it
+    /// still fits: a threshold that emits at least three quarters of the allowed number stays.
     fn cut_at_most(&self, max_nodes: usize, view: &SelectView, hints: CutHints<'_>) -> Cut {
         let cached = hints.before.map(Cut::lod_px);
         if let Some(lod_px) = cached.filter(|&lod_px| lod_px >= view.lod_px) {
@@ -82,14 +82,14 @@ pub trait Levels: Debug + Send + Sync {
 pub struct LevelsSize {
     /// All nodes, leaves included.
     pub nodes: usize,
-    /// Size in bytes, in addition to the records of the points that it is made of.
+    /// Size in bytes, in addition to the records of the points that it is built from.
     pub bytes: usize,
 }
 
 /// Records drawn for a cut, one for each node in the order of the cut.
 #[derive(Debug)]
 pub enum Records {
-    /// Disks: as many of both.
+    /// Disks: the same number of both.
     Surfels {
         /// Positions and colours.
         points: Vec<PointRecord>,
@@ -107,14 +107,14 @@ pub enum Records {
     Voxels {
         /// Cells and colours.
         voxels: Vec<VoxelRecord>,
-        /// As many records of which only the normals count, where light falls on them and not on faces.
+        /// A record per voxel, with normals only, where these and not faces are shaded.
         normals: Option<Vec<ShapeRecord>>,
         /// Edge of the cube that is divided.
         cube_edge: f32,
     },
 }
 
-/// Memory for [`Records`], of pictures before; what is in it does not matter.
+/// Memory for [`Records`], of earlier images; its contents do not matter.
 #[derive(Debug, Default)]
 pub struct RecordBuffers {
     /// For positions and colours.
@@ -123,7 +123,7 @@ pub struct RecordBuffers {
     pub shapes: Vec<ShapeRecord>,
     /// For cells.
     pub voxels: Vec<VoxelRecord>,
-    /// For places of nodes.
+    /// For indices of nodes.
     pub places: Vec<u32>,
 }
 

@@ -33,7 +33,7 @@ impl Aabb {
         dispatch!(Level::new(), _simd => Self::of_some_in_lanes(points))
     }
 
-    /// Eight boxes, each around every eighth point, and their union: coordinates are compared as they stand in memory.
+    /// Eight boxes, each around every eighth point, and their union: coordinates are compared as they are in memory.
     #[inline(always)]
     fn of_some_in_lanes(points: &[Vec3]) -> Self {
         const LANES: usize = 24;

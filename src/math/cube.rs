@@ -132,15 +132,15 @@ const BLOCKS_PER_TASK: usize = 256;
 ///
 /// `floor(offset / cell)` needs a correctly rounded division to put a point that lies on a border into the right cell.
 /// A multiplication with the reciprocal is faster but not exact, so it is only rounded to the *nearest* border, and a
-/// second look says on which side of it the point is: `border · cell` is exact in f64 (22 bits times the 24 of an f32),
-/// so comparing it with the offset is, too.
+/// second test determines on which side of it the point is: `border · cell` is exact in f64 (22 bits times the 24 of an
+/// f32), so comparing it with the offset is, too.
 struct Quantizer {
     min: DVec3,
     cell: f64,
     cells_per_unit: f64,
 }
 
-/// The last bit of an f64 this large is worth 1: adding it rounds to an integer, which then stands in the low bits.
+/// The last bit of an f64 this large is worth 1: adding it rounds to an integer, which is then in the low bits.
 const ROUNDING: f64 = (1u64 << 52) as f64;
 
 /// In the last cell, and nearer to its lower border than to its upper one, so that it is rounded to no cell more.

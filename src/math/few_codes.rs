@@ -8,17 +8,17 @@
 //! passes of 14 bits were faster than three of 8 to 10 bits, four of 7, and two of 11 to 13, which leave more to the
 //! insertion sort.
 //!
-//! The sort is stable, and nothing is done by several threads.
+//! The sort is stable, and single-threaded.
 
 use super::items;
 
-/// Codes that are sorted in this way. Of 2¹⁷ the items are 1 MiB.
+/// Maximum number of codes that are sorted like this. Of 2¹⁷ the items are 1 MiB.
 pub(crate) const MAX: usize = 1 << INDEX_BITS;
 
 const INDEX_BITS: u32 = 17;
 const INDEX: u64 = (1 << INDEX_BITS) - 1;
 
-/// The counters of so wide a digit are 64 KiB, an eighth of a second cache.
+/// The counters of a digit of this width are 64 KiB, an eighth of an L2 cache.
 const MAX_DIGIT_BITS: u32 = 14;
 
 /// Turns at most [`MAX`] 63-bit codes into their items.
@@ -34,8 +34,8 @@ pub(crate) fn index_of(item: u64) -> usize {
     (item & INDEX) as usize
 }
 
-/// Sorts `items` as their codes are, equal ones by index. `code` tells the code of an index; `scratch` is as long as
-/// `items`, and has nothing of meaning afterwards.
+/// Sorts `items` as their codes are, equal ones by index. `code` returns the code of an index; `scratch` is as long as
+/// `items`, and undefined afterwards.
 pub(crate) fn sort(items: &mut Vec<u64>, scratch: &mut Vec<u64>, code: impl Fn(usize) -> u64) {
     // Three bits divide a surface into four. Two more levels, so that few cells contain two points.
     let telling_bits = items.len().max(1).ilog2() * 3 / 2 + 4;

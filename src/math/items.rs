@@ -1,11 +1,11 @@
 //! Sorting numbers that have a Morton code above an index.
 //!
 //! How it works: one number is moved, not a pair. A radix sort, from the lowest digit up, goes over only as many of the
-//! upper bits as tell most points of a surface apart. What it leaves is a few neighbours in the wrong order, for an
-//! insertion sort.
+//! upper bits as separate most points of a surface. It leaves a few neighbours in the wrong order, for an insertion
+//! sort.
 
-/// Sorts `items` in passes over their upper `telling_bits`, each of at most so many bits, and by comparison. `scratch`
-/// is as long as `items`; it and `next` have nothing of meaning afterwards.
+/// Sorts `items` in passes over their upper `telling_bits`, each of at most this many bits, and by comparison.
+/// `scratch` is as long as `items`; it and `next` are undefined afterwards.
 pub(super) fn sort(
     items: &mut Vec<u64>,
     scratch: &mut Vec<u64>,
@@ -32,8 +32,8 @@ fn scatter_items(from: &[u64], to: &mut [u64], first_bit: u32, next: &mut [u32])
     scatter(from, next, digit, |_, item, place| to[place] = item);
 }
 
-/// Tells `put` the index of each number, the number and its place: first those of small digits, equal ones in the order
-/// given. `next` has a counter for each digit, and at last where it ends.
+/// Passes to `put` the index of each number, the number and its place: first those of small digits, equal ones in the
+/// order given. `next` has a counter for each digit, and at last where it ends.
 #[inline(always)]
 pub(super) fn scatter(
     from: &[u64],

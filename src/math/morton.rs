@@ -1,7 +1,7 @@
 //! Morton codes: the three coordinates of a cell with their bits interleaved, so that sorting codes sorts cells in the
 //! order in which an octree visits them.
 //!
-//! A code has three bits a level, the coarsest level in the highest: bit `3i` is bit `i` of x, bit `3i + 1` of y, bit
+//! A code has three bits per level, the coarsest level in the highest: bit `3i` is bit `i` of x, bit `3i + 1` of y, bit
 //! `3i + 2` of z. Three bits read as a number are the *octant* of a cell in its parent. Two codes share exactly the
 //! cells above the level at which their highest different bit lies ([`PackedCell`] says which); the 4D media paper
 //! §VI-A needs no more than that to count the occupied cells of every level.
@@ -27,7 +27,7 @@ pub const fn decode(code: u64) -> [u32; 3] {
 
 /// The coordinates of a finest cell in one number: x in bits 0 to 20, y in 21 to 41, z in 42 to 62.
 ///
-/// As many bits as a code, and two cells are compared as fast, but a coordinate is taken out by a shift.
+/// It has the bits of a code, and cells are compared as fast, but a coordinate is extracted by a shift.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(transparent)]
 pub struct PackedCell(u64);
@@ -88,7 +88,7 @@ impl PackedCell {
         let different = self.0 ^ next.0;
         let along_any = (different | different >> LEVELS | different >> (2 * LEVELS)) as u32 % FINEST_CELLS;
         // The exponent of a 21-bit number, which is exact as an f32, is the index of its highest bit; this is one SIMD
-        // instruction. That of 0 is −127.
+        // instruction. The exponent of 0 is −127.
         let exponent = ((along_any as i32 as f32).to_bits() >> 23) as i32 - 127;
         let parting = (LEVELS as i32 - exponent).min(i32::from(NEVER_PART));
         let octants = LOWEST.wrapping_shl(exponent as u32);
@@ -101,7 +101,7 @@ impl PackedCell {
 ///
 /// ```text
 /// 16 | 5 bits      --------- 20..16 ----------------------------- 15..0 ------
-/// blocks of 8, then 4, then 2, then 1: every bit with two empty places above it
+/// blocks of 8, then 4, then 2, then 1: every bit with two empty bits above it
 /// ```
 // Compiled for the SIMD level of the caller.
 #[inline(always)]
@@ -130,7 +130,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Bit by bit, as the definition says.
+    /// Bit by bit, as defined.
     fn encode_slowly(cell: [u32; 3]) -> u64 {
         let mut code = 0;
         for bit in 0..LEVELS {

@@ -1,6 +1,6 @@
 //! Sorting by Morton codes: points are put in the order in which an octree visits them.
 //!
-//! How it works: codes, each with what goes with it, are first parted into 4,096 buckets by their highest twelve bits
+//! How it works: codes, each with its payload, are first parted into 4,096 buckets by their highest twelve bits
 //! (the cells of octree level 4), chunk by chunk. Then each bucket is gathered from all chunks and sorted.
 //!
 //! ```text
@@ -10,17 +10,17 @@
 //!
 //! A bucket is sorted as *items* ([`super::items`]): numbers that have the bits in which its codes differ above an
 //! index. Of up to 8,192 codes an item has all bits that a bucket leaves to differ, so that codes are read off the
-//! sorted items; of more, the lowest give place, and where items are alike in all others, the codes are asked for. Most
-//! of a surface is in order after two passes. Clouds that are no surfaces, or that an outlier squeezes into few cells,
+//! sorted items; of more, the lowest give place, and where items are alike in all others, the codes are looked up. Most
+//! of a surface is in order after two passes. Clouds that are not surfaces, or that an outlier squeezes into few cells,
 //! leave more, which is then sorted by comparison.
 //!
-//! When it wins: each point is moved once through memory, to its bucket, and all else happens in the first and second
-//! cache, while a radix sort of the whole moves it once for each digit and then fetches what goes with each code from
-//! anywhere. Codes are made chunk by chunk as they are parted, and never written to memory before. Tasks share nothing.
+//! When it wins: each point is moved once through memory, to its bucket, and all else happens in the L1 and L2 caches,
+//! while a radix sort of the whole moves it once per digit and then fetches the payload of each code from anywhere.
+//! Codes are made chunk by chunk as they are parted, and never written to memory before. Tasks share nothing.
 //!
-//! Codes that are in order already are left alone, which one look over them tells.
+//! Codes that are in order already, which one pass over them checks, are left alone.
 //!
-//! Of up to 2¹⁷ codes the caches hold all, and [`super::few_codes`] sorts them without buckets.
+//! Up to 2¹⁷ codes fit into the caches, and [`super::few_codes`] sorts them without buckets.
 //!
 //! The sort is stable: equal codes stay in the order in which they were given. Nothing depends on timing or threads.
 
@@ -63,13 +63,13 @@ const CODE_BITS: u32 = 63;
 const BUCKET_BITS: u32 = 12;
 const BUCKETS: usize = 1 << BUCKET_BITS;
 
-/// Codes that are parted together: what they are read from and written to is near the size of a second cache, and a
+/// Codes that are parted together: their source and target are near the size of an L2 cache, and a
 /// bucket's part of it, on a surface, is longer than a few cache lines.
 // 32,768 codes took 0.88 of the time, 65,536 0.85, all at once 0.93; 131,072 took 0.83, but are too few tasks for
 // 200,000 points.
 const CHUNK: usize = 1 << 16;
 
-/// Codes, and what goes with each, parted by the highest bits of the codes.
+/// Codes and their payloads, parted by the highest bits of the codes.
 pub(crate) struct Buckets<T> {
     chunks: Vec<Parted<T>>,
     /// Codes of each bucket in all chunks.
@@ -85,8 +85,8 @@ struct Parted<T> {
 }
 
 impl<T: Copy + Default + Send + Sync> Buckets<T> {
-    /// Parts `count` 63-bit codes, which `write_codes` writes for any range of them, each with what `carried` says goes
-    /// with its index.
+    /// Parts `count` 63-bit codes, which `write_codes` writes for any range of them, each with the payload that
+    /// `carried` returns for its index.
     pub(crate) fn new(
         count: usize,
         write_codes: impl Fn(Range<usize>, &mut [u64]) + Sync,
@@ -112,7 +112,7 @@ impl<T: Copy + Default + Send + Sync> Buckets<T> {
         Self { chunks, lens }
     }
 
-    /// The part of `out` that belongs to each bucket. Precondition: as many as there are codes.
+    /// The part of `out` that belongs to each bucket. Precondition: one entry per code.
     pub(crate) fn places<'o, O>(&self, mut out: &'o mut [O]) -> Vec<&'o mut [O]> {
         let place = |&len: &usize| out.split_off_mut(..len);
         self.lens.iter().filter_map(place).collect()
@@ -135,7 +135,7 @@ impl<T: Copy + Default + Send + Sync> Buckets<T> {
 }
 
 impl<T: Copy + Default> Parted<T> {
-    /// Parts codes, each with what `carried` says goes with its index.
+    /// Parts codes, each with the payload that `carried` returns for its index.
     fn new(codes: &[u64], carried: impl Fn(usize) -> T) -> Self {
         let mut parted_codes = vec![0; codes.len()];
         let mut parted_carried = vec![T::default(); codes.len()];
@@ -169,13 +169,13 @@ struct Sorter<T> {
     items: Vec<u64>,
     scratch: Vec<u64>,
     next: Vec<u32>,
-    /// In the order of the chunks, if items have no room for all their bits.
+    /// In the order of the chunks, if items have no space for all their bits.
     codes: Vec<u64>,
     carried: Vec<T>,
 }
 
 impl<T: Copy + Default> Sorter<T> {
-    /// The codes of a bucket in order; what goes with each is written to `carried`.
+    /// The codes of a bucket in order; their payloads are written to `carried`.
     fn sort(&mut self, buckets: &Buckets<T>, bucket: usize, carried: &mut [T]) -> &[u64] {
         let pieces = || buckets.chunks.iter().map(|chunk| chunk.piece(bucket));
         let (mut all, mut any) = (u64::MAX, 0);
@@ -212,9 +212,9 @@ impl<T: Copy + Default> Sorter<T> {
     }
 
     fn sort_items(&mut self, layout: ItemLayout) {
-        /// Up to so many items are sorted by comparison before the counters of a radix sort are cleared.
+        /// Up to this many items are sorted by comparison in less time than the counters of a radix sort are cleared.
         const FEW: usize = 64;
-        /// The counters of so wide a digit are a quarter of a first cache.
+        /// The counters of a digit of this width are a quarter of an L1 cache.
         const MAX_DIGIT_BITS: u32 = 11;
         let count = self.items.len();
         // Three bits divide a surface into four. One more level, so that few cells contain two points.
@@ -251,7 +251,7 @@ struct ItemLayout {
 }
 
 impl ItemLayout {
-    /// For so many 63-bit codes that differ in some of these bits.
+    /// For this many 63-bit codes that differ in some of these bits.
     fn new(differing: u64, count: usize) -> Self {
         let skipped = differing.leading_zeros().min(u64::BITS - 1);
         let index_bits = count.next_power_of_two().ilog2();
@@ -276,7 +276,7 @@ impl ItemLayout {
         (item & self.index) as usize
     }
 
-    /// The code of an item that has all of it but what is the same in `alike`.
+    /// The code of an item that has all but the bits shared with `alike`.
     #[inline(always)]
     fn code(self, item: u64, alike: u64) -> u64 {
         let differing = u64::MAX >> self.skipped;
@@ -368,7 +368,7 @@ mod tests {
         }
     }
 
-    /// More than are sorted without buckets, and as many as that.
+    /// As many as are sorted without buckets, and one more.
     #[test]
     fn few_and_many_codes() {
         for count in [few_codes::MAX, few_codes::MAX + 1] {

@@ -15,7 +15,7 @@ impl Sphere {
     /// Returns a bounding sphere of the given spheres, not much larger than the smallest one; a point at the origin
     /// around none.
     ///
-    /// Its centre is that of the box around them.
+    /// Its centre is the box's.
     pub fn around(spheres: impl Iterator<Item = Self> + Clone) -> Self {
         let (min, max) = spheres.clone().fold(
             (Vec3::splat(f32::INFINITY), Vec3::splat(f32::NEG_INFINITY)),

@@ -77,7 +77,7 @@ impl SymmetricMat3 {
         }
     }
 
-    /// `eigen().vectors[0]`, in less time where the smallest eigenvalue is the one that stands apart (on surfaces).
+    /// `eigen().vectors[0]`, in less time where the smallest eigenvalue is the isolated one (on surfaces).
     pub fn smallest_eigenvector(&self) -> DVec3 {
         match self.stand_apart() {
             Err(_) => DVec3::X,
@@ -86,7 +86,7 @@ impl SymmetricMat3 {
         }
     }
 
-    /// Finds the eigenpair that stands apart; for a multiple of the identity, the factor.
+    /// Finds the isolated eigenpair; for a multiple of the identity, the factor.
     fn stand_apart(&self) -> Result<Apart, f64> {
         let scale = self.largest_entry();
         if !(scale > 0.0 && scale.is_finite()) {

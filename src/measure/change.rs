@@ -1,9 +1,9 @@
 //! Change between frames: the distance of the points of one frame from another frame, point by point.
 //!
-//! How it works: each point is matched with the nearest of the other frame (D1 of [`super::GeometryError`], one way),
-//! in f64. Anything that was there before and no longer exists is far from everything that does; anything that only
-//! slid along a surface is near to its other points, so this is a change of shape and not a motion. Positions of both
-//! frames are relative to the same origin.
+//! How it works: each point is matched with the nearest of the other frame (D1 of [`super::GeometryError`], in one
+//! direction), in f64. Anything that was there before and no longer exists is far from everything that does; anything
+//! that only slid along a surface is near to its other points, so this is a change of shape and not a motion. Positions
+//! of both frames are relative to the same origin.
 
 use crate::analysis::{ColorMap, NearestPoint};
 use glam::Vec3;

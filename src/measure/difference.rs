@@ -3,12 +3,12 @@
 use super::{SizeMismatch, check_sizes, size_px};
 use image::RgbaImage;
 
-/// Pixels whose red, green or blue differ. Alpha is not compared: pictures are opaque.
+/// Pixels whose red, green or blue differ. Alpha is not compared: images are opaque.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PixelDifference {
-    /// Pixels of each picture.
+    /// Pixels of each image.
     pub pixel_count: u64,
-    /// Those that differ.
+    /// Number of differing pixels.
     pub different_count: u64,
     /// The largest difference of a channel, 0 to 255.
     pub largest: u8,

@@ -40,7 +40,7 @@ pub use temporal::{Consecutive, TemporalError};
 
 use image::RgbaImage;
 
-/// Two pictures that cannot be compared pixel by pixel.
+/// Two images that cannot be compared pixel by pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error(
     "a picture of {}x{} pixels cannot be compared with one of {}x{}", 
@@ -49,7 +49,7 @@ use image::RgbaImage;
 pub struct SizeMismatch {
     /// Width and height of the truth.
     pub reference_px: [u32; 2],
-    /// Width and height of what is compared with it.
+    /// Width and height of the image compared with it.
     pub test_px: [u32; 2],
 }
 

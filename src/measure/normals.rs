@@ -29,7 +29,7 @@ impl AngularError {
     /// Compares each of `found` with its `truth`; `None` without any.
     ///
     /// # Panics
-    /// Precondition: as many found as true directions, none of length zero.
+    /// Precondition: one found direction per true one, none of length zero.
     pub fn of(found: &[Vec3], truth: &[Vec3], orientation: Orientation) -> Option<Self> {
         assert_eq!(found.len(), truth.len(), "one truth for each direction");
         let mut angles: Vec<f64> = found

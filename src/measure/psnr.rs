@@ -1,8 +1,8 @@
 //! Peak signal-to-noise ratio (PSNR).
 //!
 //! How it works: the mean of the squared differences over all pixels and the three colour channels, against the square
-//! of the largest value there is, 255. Alpha is not compared: pictures are opaque. Values are compared as they are
-//! stored (display-referred), which is what published figures mean.
+//! of the largest possible value, 255. Alpha is not compared: images are opaque. Values are compared as they are stored
+//! (display-referred), as in published figures.
 
 use super::{SizeMismatch, check_sizes, size_px};
 use image::RgbaImage;
@@ -10,7 +10,7 @@ use image::RgbaImage;
 /// The largest value of a channel.
 const PEAK: f64 = 255.0;
 
-/// Mean squared difference of red, green and blue, 0 to 255²; 0 for pictures without pixels.
+/// Mean squared difference of red, green and blue, 0 to 255²; 0 for images without pixels.
 pub fn mean_squared_error(reference: &RgbaImage, test: &RgbaImage) -> Result<f64, SizeMismatch> {
     check_sizes(size_px(reference), size_px(test))?;
     let sum: u64 = reference
@@ -24,7 +24,7 @@ pub fn mean_squared_error(reference: &RgbaImage, test: &RgbaImage) -> Result<f64
 }
 
 /// The ratio in decibels for a mean squared error of 8-bit channels: 0 for black against white, infinite for equal
-/// pictures. A mean over several pictures is that of their errors, not of their decibels.
+/// images. The mean of several images is computed over their errors, not their decibels.
 pub fn psnr_db(mean_squared_error: f64) -> f64 {
     10.0 * (PEAK * PEAK / mean_squared_error).log10()
 }

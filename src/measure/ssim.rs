@@ -1,9 +1,9 @@
-//! Structural similarity: how much of the light, the contrast and the pattern of a picture another one keeps.
+//! Structural similarity: how much of the luminance, contrast and structure of an image another one preserves.
 //!
 //! How it works (Wang, Bovik, Sheikh, Simoncelli: *Image Quality Assessment: From Error Visibility to Structural
-//! Similarity*, IEEE TIP 2004, §III): means, variances and covariance of both pictures under a Gaussian window of 11×11
-//! pixels give one number a window; the measure is their mean. As in the authors' `ssim_index.m`, only windows that lie
-//! wholly inside the picture count (nothing is made up beyond its border), and the picture is not made smaller first.
+//! Similarity*, IEEE TIP 2004, §III): means, variances and covariance of both images under a Gaussian window of 11×11
+//! pixels give one number per window; the measure is their mean. As in the authors' `ssim_index.m`, only windows that
+//! lie wholly inside the image count (nothing is made up beyond its border), and the image is not downscaled first.
 //!
 //! The window is a product of two rows of weights, so each row of answers adds up eleven rows of pixels once, and then
 //! eleven of these sums for each answer. All sums are f64: variances are small differences of large means of squares.
@@ -15,7 +15,7 @@ use image::RgbaImage;
 use rayon::prelude::*;
 use std::array::from_fn;
 
-/// Edge of the window, and so of the smallest picture that has one.
+/// Edge of the window, and so of the smallest image that has one.
 pub const SSIM_WINDOW_PX: u32 = 11;
 
 const WINDOW: usize = SSIM_WINDOW_PX as usize;
@@ -34,7 +34,7 @@ const C2: f64 = (0.03 * 255.0) * (0.03 * 255.0);
 /// from.
 const LUMA: [f64; 3] = [0.299, 0.587, 0.114];
 
-/// Why two pictures have no structural similarity.
+/// Reasons why two images have no structural similarity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum SsimError {
     /// They differ in size.
@@ -51,7 +51,7 @@ pub enum SsimError {
     },
 }
 
-/// The mean structural similarity of two pictures, −1 to 1 (equal).
+/// The mean structural similarity of two images, −1 to 1 (equal).
 ///
 /// Compared is luma, 0.299 R + 0.587 G + 0.114 B of the values as they are stored (display-referred, not rounded to
 /// whole steps). Alpha is ignored. The same bits for any number of threads.

@@ -9,7 +9,7 @@
 //! When it wins: over errors of colours, where a hole shows a background of nearly the colour of the surface, or a far
 //! surface of the same colour shines through.
 
-/// The depth of what each pixel of a view shows.
+/// The depth of the surface in each pixel of a view.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DepthImage {
     /// Width and height.
@@ -37,10 +37,10 @@ impl DepthTolerance<'_> {
     }
 }
 
-/// Why the surfaces of two pictures cannot be compared.
+/// Reasons why the surfaces of two images cannot be compared.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum SurfaceMismatch {
-    /// The pictures differ in size.
+    /// The images differ in size.
     #[error(transparent)]
     Size(#[from] super::SizeMismatch),
     /// There is not one depth, or one tolerance, for each pixel.
@@ -67,9 +67,9 @@ pub enum SurfaceMismatch {
 /// Pixels that show the wrong thing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct SurfaceError {
-    /// Pixels of each picture.
+    /// Pixels of each image.
     pub pixel_count: u64,
-    /// Those that show a surface in the truth.
+    /// Pixels that show a surface in the truth.
     pub surface_count: u64,
     /// Number of surface pixels that show the background in the test (holes).
     pub hole_count: u64,
@@ -80,7 +80,7 @@ pub struct SurfaceError {
 }
 
 impl std::ops::AddAssign for SurfaceError {
-    /// The counts of several pictures.
+    /// The counts of several images.
     fn add_assign(&mut self, other: Self) {
         self.pixel_count += other.pixel_count;
         self.surface_count += other.surface_count;
@@ -91,7 +91,7 @@ impl std::ops::AddAssign for SurfaceError {
 }
 
 impl SurfaceError {
-    /// Compares what `test` shows with what `truth` does, of the same view.
+    /// Compares the surfaces in `test` with those in `truth`, of the same view.
     pub fn of(truth: &DepthImage, test: &DepthImage, tolerance: DepthTolerance<'_>) -> Result<Self, SurfaceMismatch> {
         super::check_sizes(truth.size_px, test.size_px)?;
         check_depths(truth)?;
@@ -119,17 +119,17 @@ impl SurfaceError {
         Ok(error)
     }
 
-    /// Part of the true surface that is missing, 0 to 1; 0 where there is none.
+    /// Part of the true surface that is missing, 0 to 1; 0 if there is none.
     pub fn hole_share(&self) -> f64 {
         share(self.hole_count, self.surface_count)
     }
 
-    /// Part of the true surface that another one stands for, 0 to 1; 0 where there is none.
+    /// Part of the true surface that is replaced by another one, 0 to 1; 0 if there is none.
     pub fn wrong_surface_share(&self) -> f64 {
         share(self.wrong_surface_count, self.surface_count)
     }
 
-    /// Part of the true background that is covered, 0 to 1; 0 where there is none.
+    /// Part of the true background that is covered, 0 to 1; 0 if there is none.
     pub fn extra_share(&self) -> f64 {
         share(self.extra_count, self.pixel_count - self.surface_count)
     }

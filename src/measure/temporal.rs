@@ -3,11 +3,11 @@
 //! How it works: an image that is wrong in the same way in every frame has a spatial error and no temporal one; an
 //! image that *flickers* has changes that the truth does not have. So changes are compared, not images:
 //!
-//! - FLIP between two consecutive images says how much a viewer sees change when one replaces the other. The same is
-//!   done with the truth, and the two are subtracted pixel by pixel. Where the truth is at rest this is the FLIP
+//! - FLIP between two consecutive images measures the change that a viewer sees when one replaces the other. The same
+//!   is done with the truth, and the two are subtracted pixel by pixel. Where the truth is at rest this is the FLIP
 //!   between the images.
-//! - The difference of the difference images says by how much each channel changes too much or too little, without a
-//!   model of an observer.
+//! - The difference of the difference images measures by how much each channel changes too much or too little, without
+//!   a model of an observer.
 //!
 //! Both are means over the pixels that show the object in any of the four images; the background never changes.
 
@@ -133,7 +133,7 @@ mod tests {
         // The same change everywhere, but of a truth that is darker throughout.
         let moving = error(Some([&gray(90), &gray(141)]), [&before, &after]);
         assert_eq!(moving.difference_rms, 0.0);
-        // Half of it, of which nothing is shown.
+        // Half of the image, where nothing is shown.
         let missed = error(Some([&before, &after]), [&before, &before]);
         assert_eq!(missed, resting);
     }

@@ -1,7 +1,7 @@
 //! The allocator that ends the program with a sentence where memory is refused.
 //!
-//! **How it works.** A refused allocation is met by two kinds of callers. One asked for a size that a file claims, and
-//! turns the refusal into an error of that file ([`try_reserve`]). All others have no way on: Rust's own ending is a
+//! **How it works.** A refused allocation is met by two kinds of callers. One requested a size that a file claims, and
+//! turns the refusal into an error of that file ([`try_reserve`]). All others cannot continue: Rust's own ending is a
 //! signal, which a shell reports as a crash, so the program ends here, with the exit code of any other failure.
 
 use mimalloc::MiMalloc;
@@ -33,7 +33,7 @@ pub(crate) fn before_the_end(clean_up: fn()) {
     let _ = BEFORE_THE_END.set(clean_up);
 }
 
-/// Room for `count` more elements, or the error that says that there is none.
+/// Capacity for `count` more elements, or the error that there is no memory for them.
 ///
 /// Everywhere else memory that is refused ends the program.
 pub(crate) fn try_reserve<T>(vector: &mut Vec<T>, count: usize) -> Result<(), TryReserveError> {

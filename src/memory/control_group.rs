@@ -7,13 +7,13 @@
 use std::fs;
 use std::path::Path;
 
-/// The least limit of all groups of this process, bytes; `None` where there is none.
+/// The smallest limit of all groups of this process, bytes; `None` if there is none.
 pub(super) fn limit_bytes() -> Option<u64> {
     let groups = fs::read_to_string("/proc/self/cgroup").ok()?;
     limit_of(&groups, Path::new("/sys/fs/cgroup"))
 }
 
-/// The least limit of the groups that are named by the lines of `groups`, whose hierarchies are mounted in `mounts`.
+/// The smallest limit of the groups named by the lines of `groups`, whose hierarchies are mounted in `mounts`.
 fn limit_of(groups: &str, mounts: &Path) -> Option<u64> {
     let limits = groups.lines().filter_map(|line| {
         let (_, rest) = line.split_once(':')?;

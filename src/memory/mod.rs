@@ -12,7 +12,7 @@ pub(crate) use allocator::{before_the_end, try_reserve};
 use std::ffi::c_long;
 
 /// Retention time of freed memory, in milliseconds, before the allocator gives it back to the system, which it does
-/// when it next has something to do. One second, the default, gives back what the next frames need.
+/// when it next has something to do. One second, the default, gives back memory that the next frames need.
 // The system's allocator returns memory to the system: 350 page faults per octree, 1 to 4 ms, where an octree takes 3
 // ms. With one second, the default, 70 pages per frame were returned and faulted in again.
 const RETAINED_MS: c_long = 10_000;
@@ -20,7 +20,7 @@ const RETAINED_MS: c_long = 10_000;
 /// `mi_option_purge_delay` of `mimalloc.h`, which the crate does not name.
 const PURGE_DELAY: libmimalloc_sys::mi_option_t = 15;
 
-/// Sets for how long freed memory is kept. To be called once, when the program starts.
+/// Sets how long freed memory is retained. To be called once, when the program starts.
 pub fn keep_freed_pages() {
     #[allow(unsafe_code, reason = "the allocator has options in its environment or in C alone")]
     // SAFETY: the function stores a number in an array of options, whose length is that of the library version bundled
@@ -30,7 +30,7 @@ pub fn keep_freed_pages() {
     }
 }
 
-/// Gives freed memory back to the system at once, where it is not what the next frame takes.
+/// Gives freed memory back to the system at once, where the next frame does not need it.
 pub(crate) fn give_back_freed_pages() {
     #[allow(unsafe_code, reason = "the allocator has this in C alone")]
     // SAFETY: the function may be called at any time, from any thread.
@@ -40,7 +40,7 @@ pub(crate) fn give_back_freed_pages() {
 }
 
 /// Bytes of memory that this process may have: the machine's, or those of its control groups if they are fewer; `None`
-/// where the system does not say.
+/// if the system does not report it.
 pub(crate) fn machine_bytes() -> Option<u64> {
     // The same on every machine, so that findings are reproducible everywhere.
     if cfg!(fuzzing) {
@@ -68,7 +68,7 @@ mod tests {
     /// The allocator's own name for the option.
     const BY_NAME: &str = "MIMALLOC_PURGE_DELAY";
 
-    /// What `mimalloc.h` of version 3 has where nobody sets it.
+    /// The default in `mimalloc.h` of version 3.
     const DEFAULT_MS: &str = "1000";
 
     fn option_ms() -> c_long {
@@ -79,8 +79,8 @@ mod tests {
         }
     }
 
-    /// The number is the library's own affair: another version may give it to another option. What the library reads
-    /// from its environment by name must be what is read by number, and nothing be there but the default otherwise.
+    /// The number is the library's own affair: another version may give it to another option. The option read by number
+    /// must be the one that the library reads from its environment by name, and hold the default otherwise.
     ///
     /// The environment is read once, so each value is seen in a process of its own: this test, run again.
     #[test]

@@ -15,10 +15,10 @@ use std::path::{Path, PathBuf};
 /// The object that a file holds.
 pub(crate) type Fields = Map<String, Value>;
 
-/// Copies of one file. Whoever has so many has a fault that another copy does not mend.
+/// Maximum number of copies of one file. With this many there is a fault that another copy does not mend.
 const MAX_COPIES: u32 = 99;
 
-/// Reasons that a text for a notice has room for.
+/// Maximum number of reasons in the text of a notice.
 const MAX_REASONS: usize = 3;
 
 /// Result of reading a file leniently.
@@ -61,7 +61,7 @@ pub(crate) fn read_leniently<T: Default>(
     Lenient { value, problem, file }
 }
 
-/// Copies `file`, of which not all can be read. Returns the text for a notice, and the file if it was copied.
+/// Copies `file`, which is only partly readable. Returns the text for a notice, and the file if it was copied.
 fn copied(file: &Path, what: &str, reasons: &str) -> (String, Option<PathBuf>) {
     let unread = format!("Not all of {what} in {} can be read ({reasons})", file.display());
     match copy_alongside(file) {
@@ -76,8 +76,8 @@ fn copied(file: &Path, what: &str, reasons: &str) -> (String, Option<PathBuf>) {
     }
 }
 
-/// The fields of `T` that `stored` has, each by itself: what cannot be read is as by default and noted in `unread`. `T`
-/// must take defaults for what is missing (`#[serde(default)]`).
+/// The fields of `T` that `stored` has, each by itself: unreadable ones get the default and are noted in `unread`. `T`
+/// must take defaults for missing fields (`#[serde(default)]`).
 pub(crate) fn fields<T: DeserializeOwned + Default>(stored: &Fields, unread: &mut Vec<String>) -> T {
     let mut readable = stored.clone();
     retain_readable::<T>(&mut readable, unread);
@@ -100,8 +100,7 @@ pub(crate) fn retain_readable<T: DeserializeOwned>(stored: &mut Fields, unread: 
     });
 }
 
-/// The entries of the list `name` in `stored`; none, which is noted, if it is no list. A list that is not there has
-/// none.
+/// The entries of the list `name` in `stored`; none, which is noted, if it is not a list. A missing list has none.
 pub(crate) fn entries<'a>(stored: &'a Fields, name: &str, unread: &mut Vec<String>) -> &'a [Value] {
     match stored.get(name) {
         Some(Value::Array(entries)) => entries,
@@ -113,7 +112,7 @@ pub(crate) fn entries<'a>(stored: &'a Fields, name: &str, unread: &mut Vec<Strin
     }
 }
 
-/// Notes if `stored` is of a later version than `known`: what it has may mean something else.
+/// Notes if `stored` is of a later version than `known`: its contents may mean something else.
 pub(crate) fn note_later_version(stored: &Fields, known: u32, unread: &mut Vec<String>) {
     let version = stored.get("version").and_then(Value::as_u64);
     if let Some(version) = version.filter(|&version| version > u64::from(known)) {
@@ -229,7 +228,7 @@ mod tests {
         let read = read_few(folder.path());
         assert_eq!(read.file, None);
         assert!(read.problem.unwrap().contains("changes are not kept"));
-        // If there is no file, nothing can be lost.
+        // Without a file, nothing can be lost.
         let file = folder.path().join("deeper/few.json");
         let read = read_few(&file);
         assert_eq!((read.value, read.problem), (few(0, ""), None));

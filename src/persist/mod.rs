@@ -1,4 +1,4 @@
-//! Files that are kept between runs, in the user's folders for settings and for caches (data that can be recreated):
+//! Files that persist between runs, in the user's folders for settings and for caches (data that can be recreated):
 //! never half written.
 
 mod lenient;
@@ -19,7 +19,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// A file beyond this size was not written by this program.
 const MAX_FILE_BYTES: u64 = 1 << 20;
 
-/// Returns the path of the kept file `name`; `None` if the system has no such folder.
+/// Returns the path of the persisted file `name`; `None` if the system has no such folder.
 pub(crate) fn place_of(name: &str) -> Option<PathBuf> {
     directories::ProjectDirs::from("", "", "pointreel").map(|folders| folders.config_dir().join(name))
 }
@@ -29,7 +29,7 @@ pub(crate) fn cached_place_of(name: &str) -> Option<PathBuf> {
     directories::ProjectDirs::from("", "", "pointreel").map(|folders| folders.cache_dir().join(name))
 }
 
-/// The bytes of `file`; `None` if it is not there yet. `Err` says why it cannot be read.
+/// The bytes of `file`; `None` if it is not there yet. `Err` states why it cannot be read.
 pub(crate) fn read(file: &Path) -> Result<Option<Vec<u8>>, String> {
     let size = match fs::metadata(file) {
         Ok(metadata) if metadata.is_file() => metadata.len(),
@@ -51,12 +51,12 @@ pub(crate) fn replace(file: &Path, bytes: &[u8]) -> std::io::Result<()> {
     write_whole(file, bytes)
 }
 
-/// Writes a new file, which then takes the place of the old one: nobody ever sees half of it.
+/// Writes a new file, which then replaces the old one: no reader ever sees half of it.
 pub(crate) fn write_whole(file: &Path, bytes: &[u8]) -> std::io::Result<()> {
     write_whole_with(file, |new| new.write_all(bytes))
 }
 
-/// [`write_whole`] of what `write` writes.
+/// [`write_whole`] with the output of `write`.
 pub(crate) fn write_whole_with(
     file: &Path,
     write: impl FnOnce(&mut File) -> std::io::Result<()>,
@@ -71,7 +71,7 @@ pub(crate) fn write_whole_with(
     Ok(())
 }
 
-/// [`write_whole`], or into the pipe or device that somebody has named.
+/// [`write_whole`], or into a pipe or device named by the user.
 pub(crate) fn write_to(file: &Path, bytes: &[u8]) -> std::io::Result<()> {
     if is_pipe_or_device(file) {
         fs::write(file, bytes)
@@ -85,7 +85,7 @@ pub(crate) fn is_pipe_or_device(path: &Path) -> bool {
     regular_file::check_replaceable(path).is_err()
 }
 
-/// A file under a hidden name until it is whole. What is dropped before is removed.
+/// A file under a hidden name until it is complete. If dropped before, it is removed.
 #[derive(Debug)]
 pub(crate) struct Partial {
     hidden: Temporary,
@@ -93,7 +93,7 @@ pub(crate) struct Partial {
 }
 
 impl Partial {
-    /// Names the hidden file that is to become `file`; somebody else creates it.
+    /// Names the hidden file that is to become `file`; the caller creates it.
     pub(crate) fn of(file: &Path) -> Self {
         /// Two threads may write the same file.
         static COUNT: AtomicU64 = AtomicU64::new(0);

@@ -1,4 +1,4 @@
-//! Changes of a kept file by one of several processes that have it open.
+//! Changes of a persisted file by one of several processes that have it open.
 //!
 //! **How it works.** No process writes out its in-memory state: the file is re-read, the local changes are applied to
 //! it, and the file is replaced, while the other processes wait ([`exclusive`]). So a window that saves later undoes
@@ -18,12 +18,12 @@ use std::time::Duration;
 const PATIENCE: Duration = Duration::from_millis(500);
 const LOOK_INTERVAL: Duration = Duration::from_millis(5);
 
-/// Reads the object in `file`, has `change` change it, and writes it. `change` notes in the list what it could not read
-/// of it: then, and if it is no object at all, the file is first copied to a name next to it, and the log names that.
-/// An empty object is changed where no file is.
+/// Reads the object in `file`, has `change` change it, and writes it. `change` notes in the list the parts that it
+/// could not read: then, and if it is not an object at all, the file is first copied to a name next to it, and the log
+/// names the copy. Without a file, an empty object is changed.
 ///
 /// # Errors
-/// What cannot be copied or written: the file stays as it is.
+/// An error if it cannot be copied or written: the file stays as it is.
 pub(crate) fn update(
     file: &Path,
     what: &str,
@@ -33,10 +33,10 @@ pub(crate) fn update(
     update_as(file, what, pretty, change)
 }
 
-/// [`update`], of which the file has the text that `layout` makes.
+/// [`update`], with the text of the file made by `layout`.
 ///
 /// # Errors
-/// As [`update`], and those of `layout`.
+/// As [`update`], and the errors of `layout`.
 pub(crate) fn update_as(
     file: &Path,
     what: &str,
@@ -72,8 +72,8 @@ pub(crate) fn update_as(
 }
 
 /// Keeps other processes from an [`update`] of the files in the folder of `file` until the answer is dropped; `None`
-/// where folders cannot be locked, or somebody holds one for too long: then the time between reading and writing is
-/// short.
+/// where folders cannot be locked, or another process holds one for too long: then the time between reading and writing
+/// is short.
 fn exclusive(file: &Path) -> Option<File> {
     let folder = File::open(file.parent()?).ok()?;
     for _ in 0..PATIENCE.as_millis() / LOOK_INTERVAL.as_millis() {
@@ -86,8 +86,8 @@ fn exclusive(file: &Path) -> Option<File> {
     None
 }
 
-/// Puts into `stored` what differs between `before` and `now`, and what it does not have. Objects are merged field by
-/// field.
+/// Puts into `stored` the values that differ between `before` and `now`, and those missing from it. Objects are merged
+/// field by field.
 pub(crate) fn merge(stored: &mut Fields, before: &Fields, now: &Fields) {
     for (name, value) in now {
         let was = before.get(name);
@@ -109,8 +109,8 @@ pub(crate) fn merge(stored: &mut Fields, before: &Fields, now: &Fields) {
     }
 }
 
-/// Keeps those entries of the list `name` in `stored` that `is_readable`, whatever else they hold. What is taken out,
-/// and a list that is none, is noted.
+/// Keeps those entries of the list `name` in `stored` that `is_readable`, with everything else they hold. Removed
+/// entries, and a value that is not a list, are noted.
 pub(crate) fn readable_entries(
     stored: &Fields,
     name: &str,

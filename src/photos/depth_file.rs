@@ -16,16 +16,16 @@ pub struct DepthFile {
     pub path: PathBuf,
     /// Meaning of its depth values.
     pub kind: DepthKind,
-    /// The camera of its image; `None` where that is the photograph's.
+    /// The camera of the depth map; `None` if it is that of the input image.
     pub taken_by: Option<DepthCamera>,
 }
 
-/// A depth camera next to that of an input image.
+/// A depth camera next to the camera of an input image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DepthCamera {
     /// Its image.
     pub camera: Camera,
-    /// From its frame to that of the photograph's camera.
+    /// From its frame to the frame of the input image's camera.
     pub photo_from_depth: DAffine3,
 }
 
@@ -35,17 +35,17 @@ pub struct DepthCamera {
 pub enum DepthKind {
     /// An image of COLMAP's dense stage: `W&H&C&`, then floats in the unit of the world. See [`colmap_depth`].
     Colmap,
-    /// A grey picture, or a table of numpy (`.npy`) of rows of pixels, whose values are depths along the axis in the
-    /// unit of the world, once multiplied by this. 0 is no depth, and of pictures of 16 bits neither is 65535.
+    /// A grey image, or a table of numpy (`.npy`) of rows of pixels, whose values are depths along the axis in the unit
+    /// of the world, once multiplied by this. 0 means no depth, and so does 65535 in 16-bit images.
     Scaled(f64),
 }
 
 impl DepthFile {
-    /// Depths along the axis of the camera that took them, in the unit of the world whatever `metres` says; 0 where
-    /// there is none.
+    /// Depths along the axis of the camera that took them, in the unit of the world regardless of `metres`; 0 if there
+    /// is none.
     ///
     /// # Errors
-    /// Where the file cannot be read, or is of another shape.
+    /// An error if the file cannot be read, or has another shape.
     pub fn read(&self) -> Result<DepthImage, PhotosError> {
         match self.kind {
             DepthKind::Colmap => colmap_depth(&self.path),

@@ -24,7 +24,7 @@ pub enum PhotosError {
         /// Problem: the expected and the actual content there.
         problem: String,
     },
-    /// A file that is no JSON, or JSON of another shape.
+    /// A file that is not JSON, or JSON of another shape.
     #[error(
         "{} is not understood ({source}): export it again, it may not have been written to its end",
         path.display()

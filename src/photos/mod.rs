@@ -1,9 +1,9 @@
 //! Sets of calibrated images with sparse points: the output of photogrammetry programs (COLMAP and others), prepared
 //! for drawing. Poses are used as they are in the files.
 //!
-//! [`find`] reports the contents of a folder, and [`FoundSet::read`] reads it into a [`ViewSet`], whatever the format:
-//! cameras have x to the right, y down, z forward, poses take the world to the camera, and centres of pixels are at
-//! integers.
+//! [`find`] reports the contents of a folder, and [`FoundSet::read`] reads it into a [`ViewSet`], the same for all
+//! formats: cameras have x to the right, y down, z forward, poses take the world to the camera, and centres of pixels
+//! are at integers.
 //!
 //! Readers (`readers`, one row each) record the contents of a file (`draft`), in its own pixels; `draft` then finds the
 //! images, checks their sizes, and creates cameras (`lens`) and poses from them. A problem with one image affects only

@@ -1,4 +1,4 @@
-//! Frames that have not what the others have: said once, since the picture changes with it.
+//! Frames that lack attributes of the others: reported once, since the image changes with it.
 
 use crate::cloud::Frame;
 
@@ -13,7 +13,7 @@ pub(super) struct FirstAttributes {
 }
 
 impl FirstAttributes {
-    /// Looks at frame `index`, which is shown; what to tell of it, if it is the first one that has something else. A
+    /// Looks at frame `index`, which is shown; returns the notice if it is the first one with other attributes. A
     /// coarse level has radii that close its surface, whatever the frame has.
     pub(super) fn note(&mut self, index: usize, frame: &Frame) -> Option<String> {
         if frame.points_of_finer().is_some() {

@@ -1,9 +1,9 @@
 //! Companion sequence that plays along with a first one: its frames are paired with those of the first one, on one
 //! clock.
 //!
-//! **How it works.** The clock is that of the first sequence's [`Player`](super::Player). Before the clock moves, the
-//! companion receives its next position; it asks its own loader for the frame that belongs there and reports whether it
-//! is available: playback waits for it as for the player's own. The loader prefetches in the clock's direction, between
+//! **How it works.** The clock is the [`Player`](super::Player)'s of the first sequence. Before the clock moves, the
+//! companion receives its next position; it asks its own loader for the frame due there and reports whether it is
+//! available: playback waits for it as for the player's own. The loader prefetches in the clock's direction, between
 //! the frames paired with the ends of the play range, and receives the duration of one of *its* frames, which differs
 //! if the sequences have different frame rates.
 
@@ -35,7 +35,7 @@ pub struct Companion {
     pair: Pair,
     shown: Option<Arc<PreparedFrame>>,
     failure: Option<Arc<FrameError>>,
-    /// Frames of which failures or warnings were told.
+    /// Frames whose failures or warnings were reported.
     told: HashSet<usize>,
     requested: Option<(usize, Direction, Needs)>,
     way: Option<(LoopMode, PlayRange)>,
@@ -82,7 +82,7 @@ impl Companion {
     }
 
     /// Splits the memory budget `budget_bytes` between the frames of the leader and those of its companion; the shares
-    /// add up to all of it.
+    /// add up to the whole.
     pub fn shares(budget_bytes: usize) -> [usize; 2] {
         // Half each: tests check it against both loaders on simulated disks.
         let of_companion = budget_bytes / 2;
@@ -99,7 +99,7 @@ impl Companion {
         &self.loader
     }
 
-    /// The frame in the picture; `None` also where there is no frame at that time.
+    /// The frame shown; `None` also where there is no frame at that time.
     pub fn shown(&self) -> Option<&Arc<PreparedFrame>> {
         self.shown.as_ref()
     }
@@ -109,7 +109,7 @@ impl Companion {
         self.pair.frame()
     }
 
-    /// Why that is not in the picture, if it cannot be read.
+    /// The reason why the due frame is not shown, if it cannot be read.
     pub fn failure(&self) -> Option<&Arc<FrameError>> {
         self.failure.as_ref()
     }
@@ -121,7 +121,7 @@ impl Companion {
         frame.filter(|_| self.failure.is_none())
     }
 
-    /// By what frames belong together.
+    /// The pairing of frames.
     pub fn paired_by(&self) -> PairBy {
         self.by
     }
@@ -141,7 +141,7 @@ impl Companion {
         self.offset_frames
     }
 
-    /// Chooses by what frames belong together; without times or numbers it is the index.
+    /// Chooses the pairing of frames; without times or numbers it is the index.
     pub fn pair_by(&mut self, by: PairBy) {
         self.by = by;
     }
@@ -151,15 +151,15 @@ impl Companion {
         self.offset_frames = offset_frames;
     }
 
-    /// Takes notice of how long the picture of a frame of so many points took, milliseconds.
+    /// Records how long a frame with this number of points took to draw, milliseconds.
     pub fn note_picture_ms(&self, points: usize, picture_ms: f64) {
         if self.is_playing {
             self.loader.note_drawn(points, picture_ms);
         }
     }
 
-    /// Asks for the frame that belongs to that of `clock`, and for those that come then. True if nothing is to be
-    /// waited for: it is here, cannot be read, or there is none.
+    /// Asks for the frame paired with `clock`, and for the next ones. True if nothing is to be waited for: it is here,
+    /// cannot be read, or there is none.
     pub fn prepare(&mut self, clock: &Clock, is_playing: bool, style: &Style) -> bool {
         self.look_at_entries();
         if self.sequence.is_empty() {
@@ -196,8 +196,7 @@ impl Companion {
         }
     }
 
-    /// Shows the frame that [`Companion::prepare`] has asked for, if it is here. What was shown before stays until
-    /// then.
+    /// Shows the frame that [`Companion::prepare`] has requested, if it is here. The previous frame stays until then.
     pub fn show(&mut self, style: &Style) -> PlayerChange {
         let mut change = PlayerChange::default();
         let before = self.shown.as_ref().map(Arc::as_ptr);

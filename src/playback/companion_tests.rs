@@ -16,7 +16,7 @@ const FAST: Cost = Cost {
     ns_per_point: 10.0,
 };
 
-/// A sequence of `count` frames of `spacing_ms`, or without times, at 25 a second.
+/// A sequence of `count` frames of `spacing_ms`, or without times, at 25 per second.
 fn sequence(count: u64, spacing_ms: Option<u64>, broken: &'static [u64]) -> Arc<Sequence> {
     let source = |number| FrameEntry {
         number: Some(number),
@@ -90,7 +90,7 @@ impl Theatre {
         [self.player.shown(), self.companion.shown()].map(|frame| frame.map(|frame| frame.index))
     }
 
-    /// Plays until `end_ms`: at how many milliseconds which two frames came together into the picture.
+    /// Plays until `end_ms`: the times in milliseconds and the pairs of frames first shown then.
     fn play(&mut self, end_ms: u64) -> Vec<(u64, Option<usize>, Option<usize>)> {
         let mut schedule = Vec::new();
         let mut last = [None; 2];
@@ -290,7 +290,7 @@ proptest! {
         prop_assert!(a.abs_diff(b) <= 1);
     }
 
-    /// Whatever is played, both together stay within the budget, as long as each share holds a few frames: also after
+    /// During all playback, both together stay within the budget, as long as each share holds a few frames: also after
     /// the first sequence has filled all of it alone, and when it is changed.
     #[test]
     fn both_together_stay_within_the_budget(

@@ -1,6 +1,6 @@
 //! Timeline marks painted under the playhead: frames that are in memory and frames that failed.
 //!
-//! A sequence may have more frames than the screen has pixels, so states are kept as runs of equal ones, and queried
+//! A sequence may have more frames than the screen has pixels, so states are stored as runs of equal ones, and queried
 //! only when the loader reports that they may have changed.
 
 use crate::sequence::FrameState;
@@ -10,7 +10,7 @@ use crate::sequence::FrameState;
 pub enum Mark {
     /// Not in memory.
     Absent,
-    /// On its way.
+    /// Being loaded.
     Pending,
     /// In memory, with fewer points than in the file.
     Coarse,

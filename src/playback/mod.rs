@@ -1,7 +1,7 @@
-//! Playing a sequence: which frame is due, which is shown, what is waited for.
+//! Playing a sequence: the frame that is due, the one shown, and waiting for data.
 //!
 //! [`Player`] joins a clock and a loader and knows no window; time is handed in. The window and the benchmark of
-//! playing are its users. A [`Companion`] goes along with it: a second sequence by the same clock.
+//! playing are its users. A [`Companion`] goes along with it: another sequence on the same clock.
 
 mod attributes;
 mod companion;

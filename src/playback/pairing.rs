@@ -1,10 +1,11 @@
 //! Pairing of the frames of a sequence A with those of a sequence B for side-by-side display.
 //!
 //! **How it works.** By index, the frames at the same position belong together. By number, frames whose names contain
-//! the same number do, so that a lost file shifts nothing. By time, the frame of B that was taken nearest to that of A
-//! does, unless it is so far away that B has none at that instant: before its first, behind its last, or where one was
-//! lost. Times of both are on one clock if they overlap; if not (one counts from its start, the other since 1970), each
-//! counts from its first frame. The offset is in frames of B: by time and by number, a frame is the median spacing.
+//! the same number do, so that a lost file shifts nothing. By time, the frame of B taken nearest in time to the frame
+//! of A does, unless it is so far away that B has none at that instant: before its first, behind its last, or where one
+//! was lost. Times of both are on one clock if they overlap; if not (one counts from its start, the other since 1970),
+//! each counts from its first frame. The offset is in frames of B: by time and by number, a frame is the median
+//! spacing.
 
 use std::cmp::Ordering;
 use std::ops::Sub;
@@ -14,14 +15,14 @@ use std::time::Duration;
 /// not evenly spaced, and less than a whole, at which a lost one would hide behind its neighbours.
 const REACH_IN_SPACINGS: f64 = 0.75;
 
-/// By what frames belong together.
+/// The criterion by which frames are paired.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PairBy {
     /// Their places in the sequences.
     Index,
     /// The numbers in their names.
     Number,
-    /// When they were taken.
+    /// Capture times.
     Time,
 }
 
@@ -85,7 +86,7 @@ impl PairNumbers {
     }
 }
 
-/// When the frames of A and of B were taken.
+/// Capture times of the frames of A and of B.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PairTimes {
     a_secs: Vec<f64>,

@@ -5,9 +5,9 @@
 //! clock moves on; if not, the clock is stopped on that frame and continues from it when the loader has it.
 //!
 //! If there is no time for all points of the frames, fewer are shown: the loader receives the duration of a frame and
-//! its render time, and reports what it has. While paused, all points are shown. A disk that cannot even deliver enough
-//! for that slows playback down, so that every frame is seen, and frames are *late*; a display that is too slow even so
-//! *skips* frames. All of these are counted.
+//! its render time, and reports the points it has. While paused, all points are shown. A disk that cannot even deliver
+//! enough for that slows playback down, so that every frame is seen, and frames are *late*; a display that is too slow
+//! even so *skips* frames. All of these are counted.
 
 use super::attributes::FirstAttributes;
 use super::marks::{MarkRun, runs};
@@ -34,11 +34,11 @@ pub struct Player {
     clock: Clock,
     shown: Option<Arc<PreparedFrame>>,
     failure: Option<Arc<FrameError>>,
-    /// Frames of which failures or warnings were told: a loop meets them again and again.
+    /// Frames whose failures or warnings were reported: a loop meets them again and again.
     told: HashSet<usize>,
     /// The frame at the playhead, while it is not there.
     waiting_for: Option<usize>,
-    /// The frame in the picture lacks something that is being made.
+    /// The frame shown lacks something that is being made.
     is_partial: bool,
     /// The stopped clock goes on when the frame at the playhead is there.
     play_on_arrival: bool,
@@ -69,9 +69,9 @@ pub struct PlayerChange {
     pub new_failure: Option<Arc<FrameError>>,
     /// Message for a frame that does not have the attributes of the first one.
     pub other_attributes: Option<String>,
-    /// Warnings about what could not be read of a frame that is shown for the first time.
+    /// Warnings about unreadable parts of a frame that is shown for the first time.
     pub new_warnings: Vec<String>,
-    /// Frames whose files changed: what was said of them may be true no longer.
+    /// Frames whose files changed: earlier reports on them may no longer be true.
     pub reread: Vec<usize>,
 }
 
@@ -126,7 +126,7 @@ impl Player {
         &self.clock
     }
 
-    /// When `frame` was taken, seconds after the first one: as their time stamps say, else as they play at speed 1.
+    /// Capture time of `frame`, seconds after the first one: from their time stamps, else from playing at speed 1.
     /// Precondition: the sequence has this frame.
     pub fn time_s(&self, frame: usize) -> f64 {
         let time = |frame| self.sequence.entry(frame).time;
@@ -136,7 +136,7 @@ impl Player {
         stamped.unwrap_or_else(|| frame as f64 / self.clock.fps())
     }
 
-    /// The frame in the picture.
+    /// The frame shown.
     pub fn shown(&self) -> Option<&Arc<PreparedFrame>> {
         self.shown.as_ref()
     }
@@ -146,7 +146,7 @@ impl Player {
         self.sequence().source().posed_images(self.shown()?.index)
     }
 
-    /// Why the frame at the playhead is not in the picture, if it cannot be read.
+    /// The reason why the frame at the playhead is not shown, if it cannot be read.
     pub fn failure(&self) -> Option<&Arc<FrameError>> {
         self.failure.as_ref()
     }
@@ -169,7 +169,7 @@ impl Player {
         self.request(self.clock.frame(), self.clock.direction(), needs);
     }
 
-    /// Returns the duration of a frame during playback. A single frame is at rest, whatever was requested.
+    /// Returns the duration of a frame during playback. A single frame is at rest, at any requested speed.
     fn interval(&self, clock: &Clock) -> Option<Duration> {
         let plays = self.is_playing() && clock.frame_count() > 1;
         plays.then(|| clock.frame_interval())
@@ -201,12 +201,12 @@ impl Player {
         self.late_frames
     }
 
-    /// Takes notice of how long the picture of a frame of so many points took, milliseconds.
+    /// Records how long a frame with this number of points took to draw, milliseconds.
     pub fn note_picture_ms(&self, points: usize, picture_ms: f64) {
         self.loader.note_drawn(points, picture_ms);
     }
 
-    /// Returns the frame rate recently achieved, in frames per second; `None` while paused or too early to say.
+    /// Returns the frame rate recently achieved, in frames per second; `None` while paused or too early to determine.
     pub fn fps_held(&self) -> Option<f64> {
         let (first, last) = (self.shown_at.front()?, self.shown_at.back()?);
         let elapsed = last.checked_sub(*first)?.as_secs_f64();
@@ -324,7 +324,7 @@ impl Player {
         self.loader.set_range(range);
     }
 
-    /// When `update` has something to do by itself; `None` if only the loader can bring it.
+    /// Time at which `update` has something to do by itself; `None` if only the loader can bring it.
     pub fn next_deadline(&self) -> Option<Duration> {
         self.clock.next_deadline()
     }
@@ -335,7 +335,7 @@ impl Player {
     }
 
     /// Variant of [`Player::update`] for playback together with something else on the same clock: `prepare` receives
-    /// the next clock position and the playing state, and reports whether what belongs there is available. Playback
+    /// the next clock position and the playing state, and reports whether its frame for there is available. Playback
     /// waits for it.
     pub fn update_with_companion(
         &mut self,
@@ -428,7 +428,7 @@ impl Player {
         }
     }
 
-    /// True if it is another picture than before.
+    /// True if the image differs from the one before.
     fn show(&mut self, frame: Arc<PreparedFrame>, now: Duration) -> bool {
         if self.shown.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, &frame)) {
             return false;
@@ -458,7 +458,7 @@ impl Player {
         }
     }
 
-    /// Asks the loader for the states of frames if they may have changed.
+    /// Queries the loader for the states of frames if they may have changed.
     pub fn refresh_runs(&mut self) {
         let revision = self.loader.revision();
         if self.runs_revision != Some(revision) {

@@ -324,7 +324,7 @@ fn the_newest_stream_frame_is_shown_and_expired_ones_are_not_played() {
     assert_eq!(shown(&mut player, 0), (Some(0), None));
     *stream.frames.lock().unwrap() = 7..10;
     assert_eq!(shown(&mut player, 100), (Some(9), None));
-    // Resumed, playback loops over what is there.
+    // Resumed, playback loops over the available frames.
     player.toggle(Duration::from_millis(200));
     let mut seen = Vec::new();
     for step in 1..=4 {

@@ -18,15 +18,15 @@ struct Theatre {
     workers: Simulation,
     style: Style,
     now: Duration,
-    /// When the picture is finished that is being drawn.
+    /// Time when the image being drawn is finished.
     free_at: Duration,
     /// Index and number of points of the frame in it.
     last: Option<(usize, usize)>,
-    /// Milliseconds of a picture of so many points.
+    /// Milliseconds to draw this number of points.
     picture_ms: fn(usize) -> f64,
 }
 
-/// At so many milliseconds this frame was shown with so many points.
+/// Times in milliseconds, the frame shown then and its number of points.
 type TimedFrame = (u64, usize, usize);
 
 const FAST: Cost = Cost {
@@ -35,7 +35,7 @@ const FAST: Cost = Cost {
 };
 
 impl Theatre {
-    /// Twelve frames a turn at 25 a second, on two workers.
+    /// Twelve frames per turn at 25 per second, on two workers.
     fn new(cost: impl Fn(usize) -> Cost + 'static, broken: &'static [u64]) -> Self {
         let source = |number| FrameEntry {
             number: Some(number),
@@ -69,7 +69,7 @@ impl Theatre {
         }
     }
 
-    /// Plays until `end_ms` and says what was shown.
+    /// Plays until `end_ms` and returns the frames shown.
     fn play(&mut self, end_ms: u64) -> Vec<TimedFrame> {
         let mut schedule = Vec::new();
         let end = Duration::from_millis(end_ms);

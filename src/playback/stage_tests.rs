@@ -1,4 +1,4 @@
-//! In which stages a frame at rest comes, by a clock that the test turns.
+//! Stages in which a frame at rest arrives, by a clock that the test turns.
 
 use super::*;
 use crate::cloud::{Positions, RawCloud, even_places};
@@ -19,7 +19,7 @@ fn position(index: usize) -> [f32; 3] {
     [(index % 1000) as f32, (index / 1000) as f32, 0.0]
 }
 
-/// Flat sheets that nobody has normals of, some points of which can be read alone.
+/// Flat sheets without normals, a part of whose points can be read alone.
 fn sequence(frames: usize, points: usize) -> Arc<Sequence> {
     let sources = (0..frames).map(|number| FrameEntry::file(format!("{number}.ply")));
     let cloud = |places: Vec<usize>| {
@@ -39,7 +39,7 @@ struct Stage {
     now: Duration,
 }
 
-/// Points of the picture, whether they are surfels, and whether more is to come.
+/// Points drawn, whether they are surfels, and whether more is to come.
 type ShownFrame = (usize, bool, bool);
 
 impl Stage {

@@ -1,7 +1,7 @@
 //! Images as arrays of numpy: `.npy`, and one of the arrays of an `.npz`.
 //!
-//! Two dimensions are rows and columns; a third of one entry is dropped, one of three are colours. Floats are kept as
-//! they are; whole numbers become 16 bits, as those of images have them.
+//! Two dimensions are rows and columns; a third of one entry is dropped, one of three are colours. Floats are
+//! unchanged; whole numbers become 16 bits, as in images.
 
 use super::pixels::{Raster, Samples, checked_bytes, checked_size};
 use crate::binary::{Header, Layout, Number, Scalar};
@@ -16,7 +16,7 @@ pub(super) const NPZ: &[u8] = b"PK\x03\x04";
 /// Names of the array of depths among several.
 const DEPTHS: &[&str] = &["depth", "depths", "depth_map", "depthmap", "z"];
 
-/// The head of an array is within so many bytes.
+/// Maximum size of the head of an array, bytes.
 const HEAD_BYTES: usize = 1 << 16;
 
 /// The image that an array is.
@@ -66,7 +66,7 @@ pub(super) fn decode_npz(bytes: &[u8], max_bytes: u64) -> Result<Raster, String>
     decode_npy(&depths_in(bytes, max_bytes)?, max_bytes)
 }
 
-/// Width and height of an array, of which only the head is looked at.
+/// Width and height of an array, read from its head only.
 pub(super) fn npy_size_px(bytes: &[u8]) -> Result<[u32; 2], String> {
     checked_size(Shape::of(bytes)?.size_px)
 }

@@ -2,7 +2,7 @@
 //!
 //! PNG, JPEG, PNM, WebP and others are read by `image`, TIFF by `tiff` (which has single floats, where `image` refuses
 //! them), arrays of numpy by `arrays.rs`, the images of PCL's grabbers by `pclzf.rs`. [`rvl`] packs distances alone and
-//! has no first bytes to be known by: whoever has such bytes says so.
+//! has no signature: the caller has to know the format.
 //!
 //! Nothing here reads files: recordings, streams and files of other programs hand over bytes.
 
@@ -24,7 +24,7 @@ use std::io::Cursor;
 /// The image in `bytes`, which takes no more than `max_bytes`.
 ///
 /// # Errors
-/// What is wrong with it, as the end of a sentence.
+/// The problem, as the end of a sentence.
 pub(crate) fn decode(bytes: &[u8], max_bytes: u64) -> Result<Raster, String> {
     let raster = if bytes.starts_with(pclzf::MAGIC) {
         pclzf::decode(bytes, max_bytes)?
@@ -45,7 +45,7 @@ pub(crate) fn decode(bytes: &[u8], max_bytes: u64) -> Result<Raster, String> {
     Ok(raster)
 }
 
-/// Width and height of the image in `bytes`, of which only the head is looked at.
+/// Width and height of the image in `bytes`, read from its head only.
 ///
 /// # Errors
 /// As [`decode`].

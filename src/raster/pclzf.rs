@@ -9,7 +9,7 @@ pub(super) const MAGIC: &[u8] = b"PCLZF";
 /// Bytes before the packed ones.
 const HEADER_BYTES: usize = 37;
 
-/// The most that LZF can reach: 264 bytes out of three.
+/// The maximum ratio of LZF: 264 bytes out of three.
 const MAX_LZF_RATIO: u64 = 88;
 
 /// Header before the compressed bytes of a PCL image.
@@ -37,7 +37,7 @@ impl Header {
     }
 }
 
-/// Width and height of the image in `file`, of which only the head is looked at.
+/// Width and height of the image in `file`, read from its head only.
 pub(super) fn size_px(file: &[u8]) -> Result<[u32; 2], String> {
     Ok(Header::of(file)?.size_px)
 }
@@ -92,7 +92,7 @@ pub(super) fn decode(file: &[u8], max_bytes: u64) -> Result<Raster, String> {
     })
 }
 
-/// The colours of all U, then all Y, then all V, of which U and V are of two pixels (ITU-R BT.601, full range).
+/// The colours of all U, then all Y, then all V, where U and V cover two pixels (ITU-R BT.601, full range).
 fn colors_of_yuv422(bytes: &[u8]) -> Vec<[u8; 3]> {
     let pairs = bytes.len() / 4;
     let (u, rest) = bytes.split_at(pairs);

@@ -2,11 +2,11 @@
 
 use crate::memory::mebibytes;
 
-/// Most pixels along an edge.
+/// Maximum pixels along an edge.
 pub(super) const MAX_EDGE_PX: u32 = 1 << 15;
 
 /// Memory of a pixel of depth until it is a point: its number, its depth before and after filters, its ray, place,
-/// normal and colour, and what the filters note.
+/// normal and colour, and notes of the filters.
 pub(crate) const DEPTH_PIXEL_BYTES: u64 = 96;
 
 /// An image, line by line from the top.

@@ -41,7 +41,7 @@ pub(crate) fn decode(bytes: &[u8], max_bytes: u64) -> Result<Raster, String> {
 }
 
 struct Nibbles<'a> {
-    /// Those that were not begun.
+    /// Words not yet begun.
     words: &'a [[u8; 4]],
     word: u32,
     /// Nibbles of it that were not read.
@@ -68,8 +68,8 @@ impl Nibbles<'_> {
         None
     }
 
-    /// So many depths. Memory grows with what is there: a run of holes of the whole image is a few bytes, but the size
-    /// of the image was checked.
+    /// The given number of depths. Memory grows with the data that is there: a run of holes of the whole image is a few
+    /// bytes, but the size of the image was checked.
     fn depths(&mut self, count: usize) -> Option<Vec<u16>> {
         let mut depths = Vec::with_capacity(count);
         let mut last = 0u16;
@@ -95,7 +95,7 @@ impl Nibbles<'_> {
     }
 }
 
-/// The bytes of an image of `depths`. Precondition: they are as many as it has pixels.
+/// The bytes of an image of `depths`. Precondition: one depth per pixel.
 pub(crate) fn encode(size_px: [u32; 2], depths: &[u16]) -> Vec<u8> {
     let mut written = WrittenNibbles {
         // Neighbours are usually similar: one or two nibbles each.

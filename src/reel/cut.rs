@@ -16,8 +16,8 @@ pub(super) fn share_there(frame: &FrameRecord, cut: FrameCut) -> String {
     format!("{percent} % of the frame is there, drawn from {of_levels}")
 }
 
-/// Returns the note on the truncated last group of the file at `path`, whose first frame is `first`, and of which
-/// `missing` frames are absent.
+/// Returns the note on the truncated last group of the file at `path`, whose first frame is `first`, with `missing`
+/// frames absent.
 pub(super) fn note_of_group(path: &Path, directory: &Directory, first: usize, missing: usize) -> String {
     let cut: Vec<(usize, &FrameRecord, FrameCut)> = (first..)
         .zip(&directory.frames)

@@ -10,19 +10,19 @@ use crate::progress::Progress;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// A byte of a stream holds at most so many nodes: even a bit that is foreseen costs something.
+/// Maximum number of nodes in a byte of a stream: even a predicted bit costs something.
 const NODES_PER_BYTE: u64 = 1 << 15;
 
-/// So many nodes take a second. Of more, a byte holds at most so many: a file of a few kilobytes that claims a billion
-/// points is made to keep its reader busy.
+/// Number of nodes that take about one second. Beyond it, a byte holds at most [`MANY_NODES_PER_BYTE`]: a file of a few
+/// kilobytes that claims a billion points would be made to keep its reader busy.
 const MANY_NODES: u64 = 1 << 22;
 const MANY_NODES_PER_BYTE: u64 = 1 << 9;
 
 /// A frame that was decoded.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DecodedFrame {
-    /// Points, colours, normals, radii and scalars as they were written, in Morton order or that of the file. Of coarse
-    /// levels the means of their nodes, with radii that close the surface.
+    /// Points, colours, normals, radii and scalars as they were written, in Morton order or in file order. For coarse
+    /// levels, the means of their nodes, with radii that close the surface.
     pub cloud: RawCloud,
     /// Points of the frame, were all of it decoded.
     pub points_in_frame: usize,
@@ -30,8 +30,8 @@ pub struct DecodedFrame {
     pub levels: u8,
     /// True if the frame was decoded completely.
     pub is_whole: bool,
-    /// Edge of the cells that its points stand for, in the unit of the file; where points are kept one by one, of those
-    /// that they are about one in each of.
+    /// Edge of the cells that its points stand for, in the unit of the file; where points are stored individually, of
+    /// the cells with about one point each.
     pub cell_edge: f64,
 }
 
@@ -53,7 +53,7 @@ struct OpenGroup {
     data: u64,
 }
 
-/// Last decoded frame, kept if the next one may be encoded relative to it.
+/// Last decoded frame, cached if the next one may be encoded relative to it.
 #[derive(Debug)]
 struct LastFrame {
     group: usize,
@@ -81,8 +81,8 @@ impl ReelDecoder {
     }
 
     /// Decodes frame `index` at its finest level of at most `max_points` points (at its root, if no level has so few;
-    /// `usize::MAX` for all of it). The result does not depend on what was decoded before, but the time does: a frame
-    /// that is encoded relative to others is decoded after them, unless the one before it was decoded last.
+    /// `usize::MAX` for all of it). The result does not depend on earlier decoding, but the time does: a frame that is
+    /// encoded relative to others is decoded after them, unless the one before it was decoded last.
     ///
     /// # Errors
     /// No such frame, bytes that are damaged, more memory than is allowed, and cancellation.

@@ -11,13 +11,13 @@ use std::borrow::Cow;
 use std::ops::Range;
 use std::time::Duration;
 
-/// Most points of a frame: indices of 31 bits tell them apart.
+/// Maximum number of points of a frame: indices have 31 bits.
 const MAX_POINTS: usize = (1 << 31) - 1;
 
 /// A frame that is to be written.
 #[derive(Debug, Clone, Copy)]
 pub struct NewFrame<'a> {
-    /// Its points. Faces and pictures on them are not kept.
+    /// Its points. Faces and their textures are not stored.
     pub cloud: &'a RawCloud,
     /// Its name, for people.
     pub name: &'a str,
@@ -48,7 +48,7 @@ impl EncodedGroup {
 /// Encodes frames that follow each other as a group: they share a cube and the steps of scalars.
 ///
 /// # Errors
-/// Options that cannot be meant, and clouds of which an attribute has not one entry a point.
+/// Errors for invalid options, and for clouds with an attribute that does not have one entry per point.
 pub fn encode_group(frames: &[NewFrame<'_>], options: &ReelOptions) -> Result<EncodedGroup, ReelError> {
     options.check()?;
     for frame in frames {

@@ -1,8 +1,8 @@
-//! Why a sequence file cannot be written or read: which one, where in it, what was found.
+//! Reasons why a sequence file cannot be written or read: the file, the position in it, and the fault.
 
 use std::path::{Path, PathBuf};
 
-/// Why there is no file, or no frame.
+/// Reasons why there is no file, or no frame.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReelError {
@@ -59,7 +59,7 @@ pub enum ReelError {
         path: PathBuf,
         /// Byte offset in the file where the damaged part begins.
         byte: u64,
-        /// Description of what was found and what was expected.
+        /// Description of the data found and expected.
         problem: String,
     },
     /// More memory than is allowed.
@@ -83,7 +83,7 @@ pub enum ReelError {
     NoFrame {
         /// The file.
         path: PathBuf,
-        /// The frame asked for.
+        /// The requested frame.
         index: usize,
         /// Frames that there are.
         count: usize,
@@ -97,7 +97,7 @@ pub enum ReelError {
     NoFrames {
         /// The file.
         path: PathBuf,
-        /// Description of what could not be read of it.
+        /// Description of its unreadable parts.
         damage: Option<String>,
     },
     /// Somebody cancelled it.
@@ -109,15 +109,15 @@ pub enum ReelError {
     /// Settings that cannot be meant.
     #[error("a sequence file cannot have {problem}")]
     Options {
-        /// Description of the problem, and what to do.
+        /// Description of the problem, with advice.
         problem: String,
     },
-    /// A cloud that cannot be kept.
+    /// A cloud that cannot be stored.
     #[error("frame {name}: {problem}")]
     Cloud {
         /// The frame's name.
         name: String,
-        /// Why.
+        /// The reason.
         problem: String,
     },
 }

@@ -1,4 +1,4 @@
-//! Sequence files in memory: what frames take, and what becomes of them, without a file.
+//! Sequence files in memory: the size of encoded frames, and their decoded result, without a file.
 
 use super::encode::NewFrame;
 use super::error::ReelError;
@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// Its name in messages.
 const NAME: &str = "memory";
 
-/// The bytes of a sequence file of `frames`, in groups as long as `options` say.
+/// The bytes of a sequence file of `frames`, in groups of the length in `options`.
 ///
 /// # Errors
 /// As of [`super::encode_group`].

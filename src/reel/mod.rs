@@ -1,4 +1,4 @@
-//! Sequence files: all frames of a 4D scan in one file, at a few bits per point, of which any prefix of a frame is a
+//! Sequence files: all frames of a 4D scan in one file, at a few bits per point, in which any prefix of a frame is a
 //! coarser version of it.
 //!
 //! How it works: the frames of a group are divided by one cube. A frame is the octree of its points down to cells about

@@ -1,4 +1,4 @@
-//! Options of a sequence file: what it keeps, and how precisely.
+//! Options of a sequence file: the data stored, and its precision.
 
 use super::error::ReelError;
 
@@ -6,7 +6,7 @@ use super::error::ReelError;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Precision {
     /// Every point, within an eighth of the distance between points around it: a dense part of a scan gets more bits
-    /// than a sparse one. Points that coincide are kept as often as they come.
+    /// than a sparse one. Coincident points are all stored.
     PointSpacing,
     /// Cells about as large as points are far apart, one point each (Botsch et al. 2002 §2): points in one cell are
     /// merged into one, with the means of their attributes, and an offset along the normal where there are normals. In
@@ -32,23 +32,23 @@ pub enum Coding {
     Fast,
 }
 
-/// Options that determine what is kept of a sequence.
+/// Options that determine the stored data of a sequence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReelOptions {
     /// Precision of positions.
     pub precision: Precision,
     /// Time against bits.
     pub coding: Coding,
-    /// Bits of a normal: 13, 15 or 17, an error of at most 2.5°, 1.3° or 0.7°; or 0 for the numbers as they are, where
-    /// points are kept one by one.
+    /// Bits of a normal: 13, 15 or 17, an error of at most 2.5°, 1.3° or 0.7°; or 0 for unchanged numbers, where points
+    /// are stored individually.
     pub normal_bits: u8,
     /// True if frames without normals get those that a viewer would estimate, at [`Precision::SamplingDensity`]: from
     /// the centres of cells no viewer could estimate them as well, and points are moved back along them.
     pub estimates_normals: bool,
-    /// Most that a channel of a colour may be off by, on every level; 0 is lossless.
+    /// Maximum error of a colour channel, on every level; 0 is lossless.
     pub color_error: u8,
-    /// Bits of a scalar, 2 to 16, between its smallest and its largest value in a group; or 0 for the numbers as they
-    /// are, where points are kept one by one (16 elsewhere). Radii are within 2.2 %, or as they are.
+    /// Bits of a scalar, 2 to 16, between its smallest and its largest value in a group; or 0 for unchanged numbers,
+    /// where points are stored individually (16 elsewhere). Radii are within 2.2 %, or unchanged.
     pub scalar_bits: u8,
     /// Bits of the offset of a point along its normal at [`Precision::SamplingDensity`], at most 4; 0 for none.
     pub offset_bits: u8,
@@ -56,7 +56,7 @@ pub struct ReelOptions {
     /// order from frame to frame, all but the first of a group may be encoded relative to the previous one, so that any
     /// is decoded after those before it.
     pub keyframes: u32,
-    /// True if points are returned in the order of the file, as trails need it. Points have to be kept individually
+    /// True if points are returned in the order of the file, as trails need it. Points have to be stored individually
     /// ([`ReelOptions::keeps_points`]).
     pub keep_order: bool,
     /// Frame rate in frames per second, if frames have no timestamps.
@@ -100,7 +100,7 @@ impl ReelOptions {
         }
     }
 
-    /// Returns true if points are kept individually.
+    /// Returns true if points are stored individually.
     pub fn keeps_points(&self) -> bool {
         !matches!(self.precision, Precision::SamplingDensity | Precision::Bits(_))
     }
@@ -114,7 +114,7 @@ impl ReelOptions {
         )
     }
 
-    /// Says what cannot be meant.
+    /// Checks for invalid options.
     pub fn check(&self) -> Result<(), ReelError> {
         let problem = match self.precision {
             Precision::Bits(bits) if !(1..=21).contains(&bits) => Some(format!("{bits} bits: choose 1 to 21")),

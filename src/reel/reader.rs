@@ -1,4 +1,4 @@
-//! A file that is read: its head and index, or what is found by going from chunk to chunk where there is no index.
+//! A file being read: its head and index, or, without an index, the groups found by going from chunk to chunk.
 
 use super::cut::note_of_group;
 use super::error::{Fault, ReelError};
@@ -81,9 +81,9 @@ impl ReelFile {
         Self::open(Arc::new(file), path)
     }
 
-    /// Opens a file of which `path` is the name in messages: reads its head and its index. Without an index, as after
-    /// a crash or while it is written, groups are found one by one. Of a group that the end of the file cuts, the
-    /// frames have the levels that are there.
+    /// Opens a file named `path` in messages: reads its head and its index. Without an index, as after a crash or while
+    /// it is written, groups are found one by one. In a group truncated by the end of the file, the frames have the
+    /// levels that are there.
     ///
     /// # Errors
     /// Another kind of file, one of a later version, and one without a byte that could be read.
@@ -183,7 +183,7 @@ impl ReelFile {
         }
     }
 
-    /// False where there is no index that can be read.
+    /// False if there is no readable index.
     fn read_index(&mut self) -> bool {
         let Some(trailer_offset) = self.len.checked_sub(TRAILER_BYTES as u64) else {
             return false;
@@ -265,7 +265,7 @@ impl ReelFile {
         Ok(Some(end))
     }
 
-    /// The last group, of which the file has but the beginning.
+    /// The last group, of which the file has only the beginning.
     fn take_cut_group(&mut self, offset: u64) {
         let first = self.index.frames.len();
         let (header, mut directory) = match self.read_directory(offset) {
@@ -330,7 +330,7 @@ impl ReelFile {
         self.index.frames.len()
     }
 
-    /// Returns the metadata of a frame; `None` if there is no such frame.
+    /// Returns the metadata of a frame; `None` if the frame does not exist.
     pub fn frame(&self, index: usize) -> Option<FrameInfo<'_>> {
         let frame = self.index.frames.get(index)?;
         let group = self.group_of(index)?;
@@ -378,8 +378,7 @@ impl ReelFile {
         self.head.part.as_ref()
     }
 
-    /// Returns the damage notes, i.e. descriptions of what could not be read: one sentence each, with file and
-    /// position.
+    /// Returns the damage notes, i.e. descriptions of the unreadable parts: one sentence each, with file and position.
     pub fn damage(&self) -> &[String] {
         &self.damage
     }

@@ -45,8 +45,8 @@ impl ReelWriter<BufWriter<File>> {
         Self::with_head(BufWriter::new(file), path, options, &head)
     }
 
-    /// A new file of groups that are copied from others ([`ReelWriter::copy_groups`]), which says of itself what `like`
-    /// does, but that it has all frames.
+    /// A new file of groups that are copied from others ([`ReelWriter::copy_groups`]), with the head of `like`, but all
+    /// frames.
     pub fn create_like(path: &Path, like: &ReelFile) -> Result<Self, ReelError> {
         let file = regular_file::create(path).map_err(|source| io_error(path, 0, source))?;
         let head = Head {
@@ -56,8 +56,8 @@ impl ReelWriter<BufWriter<File>> {
         Self::with_head(BufWriter::new(file), path, ReelOptions::default(), &head)
     }
 
-    /// A file that is there, to which groups are added; what was written after its last whole group is lost. The frame
-    /// rate stays that of the file.
+    /// An existing file, to which groups are added; data after its last complete group is lost. The frame rate of the
+    /// file is unchanged.
     pub fn append_to(path: &Path, options: ReelOptions) -> Result<Self, ReelError> {
         options.check()?;
         let io_error = |source| io_error(path, 0, source);
@@ -149,7 +149,8 @@ impl<W: Write> ReelWriter<W> {
         self.write_encoded(&group)
     }
 
-    /// Writes a group that was encoded with the same options. Once this returns, whoever opens the file can read it.
+    /// Writes a group that was encoded with the same options. Once this returns, any reader that opens the file can
+    /// read it.
     pub fn write_encoded(&mut self, group: &EncodedGroup) -> Result<(), ReelError> {
         let offset = self.written;
         self.chunk(ChunkKind::Group, &group.directory_bytes, &group.data)?;
@@ -184,7 +185,7 @@ impl<W: Write> ReelWriter<W> {
         self.written
     }
 
-    /// Writes the index, and gives back what was written to.
+    /// Writes the index, and returns the underlying writer.
     pub fn finish(mut self) -> Result<W, ReelError> {
         let index_offset = self.written;
         let index = self.index.to_bytes();

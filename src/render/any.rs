@@ -13,14 +13,14 @@ use std::sync::Arc;
 pub enum AnyRenderer {
     /// Draws on an adapter of the graphics library.
     Gpu(Box<GpuRenderer>),
-    /// Draws on the processor.
+    /// Draws on the CPU.
     Cpu(Box<CpuRenderer>),
 }
 
 impl AnyRenderer {
-    /// Opens what was chosen. Where it may choose, it takes the GPU if there is a real one: a software adapter is
-    /// slower than [`CpuRenderer`], and where there is none at all that needs none. No driver is opened where no card
-    /// can be.
+    /// Opens the chosen renderer. Where it may choose, it takes the GPU if there is a real one: a software adapter is
+    /// slower than [`CpuRenderer`], which also needs no adapter at all. No driver is opened where there cannot be a
+    /// GPU.
     pub fn open(choice: impl Into<Choice<RendererChoice>>) -> Result<Self, RenderError> {
         Self::open_where(choice.into(), may_have_gpu())
     }
@@ -45,7 +45,7 @@ impl AnyRenderer {
         }
     }
 
-    /// The processor.
+    /// The CPU.
     pub fn cpu() -> Self {
         Self::Cpu(Box::default())
     }
@@ -60,7 +60,7 @@ impl AnyRenderer {
         matches!(self, Self::Cpu(_))
     }
 
-    /// One line for reports: what draws.
+    /// The renderer in one line, for reports.
     pub fn summary(&self) -> String {
         match self {
             Self::Gpu(renderer) => renderer.context().adapter_summary(),
@@ -71,7 +71,7 @@ impl AnyRenderer {
         }
     }
 
-    /// Longest edge of a picture that is drawn at once.
+    /// Longest edge of an image that is drawn at once.
     pub fn max_edge_px(&self) -> u32 {
         match self {
             Self::Gpu(renderer) => renderer.context().max_edge_px(),
@@ -79,7 +79,7 @@ impl AnyRenderer {
         }
     }
 
-    /// Waits for uploads and pictures that were asked for.
+    /// Waits for requested uploads and images.
     pub fn wait(&self) -> Result<(), RenderError> {
         if let Self::Gpu(renderer) = self {
             renderer.context().wait_for_uploads()?;
@@ -87,7 +87,7 @@ impl AnyRenderer {
         Ok(())
     }
 
-    /// Waits for the last picture's time on the GPU's clock; `None` where there is none.
+    /// Waits for the last image's time on the GPU's clock; `None` without one.
     pub fn wait_gpu_ms(&mut self) -> Option<f64> {
         match self {
             Self::Gpu(renderer) => renderer.wait_gpu_ms(),
@@ -104,7 +104,7 @@ impl AnyRenderer {
         }
     }
 
-    /// Forgets what was drawn, so that the same packet is drawn again: benchmarks measure that.
+    /// Discards the drawn image, so that the same packet is drawn again, for benchmarks.
     pub fn invalidate(&mut self) {
         match self {
             Self::Gpu(renderer) => renderer.invalidate(),

@@ -10,7 +10,7 @@ pub(super) const DEPTH_SLACK_RADII: f32 = 1.0;
 pub(super) const MASK_FALLOFF: f32 = 3.0;
 
 /// Summed weight from which a pixel hides the background: a lone splat is opaque within 0.7 of its radius and fades
-/// towards its rim.
+/// towards its edge.
 // Not closed where three edges only just meet (0.15): up to 20 pixels of a white sphere of 3,000 points are darker.
 // 0.05 closes them but hardens outlines (10,000 points: FLIP 0.0078 instead of 0.0061). 3·exp(−3) = 0.149 still leaves
 // 9 darker pixels (3,000 points).
@@ -33,7 +33,7 @@ pub(super) fn opaque_weight(style: &DrawSettings) -> f32 {
 }
 
 /// Additional reach of filtered splats compared with others, in pixels: the squares of [`SplatFilter::Ewa`], and the
-/// rounding of what is far away.
+/// rounding of distant splats.
 pub(super) const EWA_REACH_PX: f32 = 1.1 * SQUARE_REACH_RADII * SplatFilter::RADIUS_PX + 1.0;
 
 const _: () = assert!(EWA_REACH_PX > SplatFilter::CLAMP_RADIUS_PX);
@@ -68,7 +68,7 @@ pub(super) const PHOTO_AGREEMENT_ROUNDS: u32 = 2;
 /// Sentinel that replaces the cosine of an image that does not see a point: below all cosines.
 pub(super) const PHOTO_NOT_LOOKING: f32 = -2.0;
 
-/// Opacity factor for surfaces coloured from images: edges of disks are no softer than these.
+/// Opacity factor for surfaces coloured from images: edges of disks are not softer than these.
 pub(super) const PHOTO_OPACITY: f32 = 3.0;
 
 /// Weight of an image near a depth discontinuity: slightly to the side, it shows something else.
@@ -82,8 +82,8 @@ pub(super) const PHOTO_PER_STEP_ANGLE2: f32 = 364.8;
 /// cosine.
 pub(super) const PHOTO_MIN_COSINE: f32 = 0.1;
 
-/// Minimum facing cosine of depth-map normals: there are none where the surface is seen at a smaller cosine, that of
-/// 80° (Yang et al. 2006 §4.1).
+/// Minimum facing cosine of depth-map normals: there are none where the surface is seen at a smaller cosine than at 80°
+/// (Yang et al. 2006 §4.1).
 pub(super) const PHOTO_MIN_FACING: f32 = 0.173_648_18;
 
 /// Light of a surface that is seen edge-on.
@@ -93,7 +93,7 @@ pub(super) const HEADLIGHT_SPECULAR: f32 = 0.15;
 /// Exponent of that white. Renderers multiply, since it is worked out for every fragment of every layer: the cube of
 /// the eighth power.
 pub(super) const HEADLIGHT_SHININESS: u32 = 24;
-/// Factor on the colour of a surfel that is seen from behind, where that is to be told.
+/// Factor on the colour of a surfel seen from behind, where back sides are to be distinguished.
 pub(super) const BACK_SIDE: f32 = 0.8;
 
 /// Normals with more of the y axis are taken for parallel to it: another axis gives the directions of a surfel's
@@ -113,7 +113,7 @@ pub(super) const SQUARE_REACH_RADII: f32 = 1.4143;
 /// Distance of the corners of a cube from its centre, in half edges: √3, rounded up.
 pub(super) const CUBE_REACH_HALF_EDGES: f32 = 1.7321;
 
-/// Greys of the nearest and the farthest depth in the picture of the visibility pass.
+/// Greys of the nearest and the farthest depth in the image of the visibility pass.
 pub(super) const NEAREST_GREY: f32 = 0.95;
 pub(super) const FARTHEST_GREY: f32 = 0.15;
 
@@ -142,7 +142,7 @@ pub(super) const FXAA_END_OF_EDGE: f32 = 0.25;
 pub(super) const FXAA_DETAIL: f32 = 0.25;
 pub(super) const FXAA_MAX_BLENDED: f32 = 0.75;
 
-/// Depth bias of the visibility pass that blends what `style` draws, in splat radii.
+/// Depth bias of the visibility pass that blends the splats of `style`, in splat radii.
 pub(super) fn depth_slack_radii(style: &DrawSettings) -> f32 {
     if style.draws_surfels() {
         style.surfels.depth_offset

@@ -1,9 +1,9 @@
-//! Records of selected nodes brought together, where who draws does not keep those of all nodes, and those of visible
-//! points, where who draws does not make them.
+//! Records of selected nodes gathered, for renderers that do not hold those of all nodes, and of visible points, for
+//! renderers that do not make them.
 
 use crate::scene::{Content, ScenePacket};
 
-/// The last content that was gathered, so that pictures of the same nodes are drawn from the same records.
+/// The last content that was gathered, so that images of the same nodes are drawn from the same records.
 #[derive(Debug, Default)]
 pub(super) struct Gathered {
     /// Cached input content, and the gathered result.

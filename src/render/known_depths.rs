@@ -5,7 +5,7 @@ use super::cpu::depths::distances_of_surface;
 use crate::scene::{DepthMap, PhotoDepths, PhotosInFrame, ScenePacket, SurfelStyle, seen_by_photo};
 use std::sync::Arc;
 
-/// The depths of the packet that was drawn last, and what they were drawn of.
+/// The depths of the packet drawn last, and their inputs.
 #[derive(Debug, Default)]
 pub(in crate::render) struct KnownDepths(Option<((PhotosInFrame, SurfelStyle), Arc<PhotoDepths>)>);
 
@@ -25,8 +25,8 @@ impl KnownDepths {
     }
 }
 
-/// Returns the depth maps of the input images of a packet: those of their files, else of the surface. Empty without
-/// input images.
+/// Returns the depth maps of the input images of a packet: from their files, else from the surface. Empty without input
+/// images.
 pub fn depths_of_photos(packet: &ScenePacket) -> PhotoDepths {
     let Some(shown) = &packet.posed_images else {
         return PhotoDepths::default();

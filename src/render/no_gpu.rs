@@ -41,12 +41,12 @@ impl Context {
         match *self {}
     }
 
-    /// Longest edge of a picture.
+    /// Longest edge of an image.
     pub fn max_edge_px(&self) -> u32 {
         match *self {}
     }
 
-    /// Waits for what was asked for.
+    /// Waits for requested work.
     pub fn wait_for_uploads(&self) -> Result<(), RenderError> {
         match *self {}
     }
@@ -67,7 +67,7 @@ impl GpuRenderer {
         match *self {}
     }
 
-    /// Waits for the last picture's time.
+    /// Waits for the last image's time.
     pub fn wait_gpu_ms(&mut self) -> Option<f64> {
         match *self {}
     }
@@ -77,7 +77,7 @@ impl GpuRenderer {
         match *self {}
     }
 
-    /// Forgets what was drawn.
+    /// Discards the drawn image.
     pub fn invalidate(&mut self) {
         match *self {}
     }
@@ -112,7 +112,7 @@ impl CardMatcher {
     }
 }
 
-/// No card is looked for.
+/// No GPU is looked for.
 pub(crate) fn may_have_gpu() -> bool {
     false
 }

@@ -12,7 +12,7 @@ pub struct PassTime {
     pub gpu_ms: Option<f64>,
 }
 
-/// The passes of one picture, in their order: those that were timed, which are all on adapters with timestamps.
+/// The passes of one image, in their order: the timed ones, which are all on adapters with timestamps.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct PassTimes {
     passes: [PassTime; Self::MAX],
@@ -20,10 +20,10 @@ pub struct PassTimes {
 }
 
 impl PassTimes {
-    /// Most passes of a picture.
+    /// Maximum number of passes of an image.
     pub const MAX: usize = 16;
 
-    /// Returns true if there are no timings.
+    /// Returns true if it is empty.
     pub fn are_none(&self) -> bool {
         self.count == 0
     }

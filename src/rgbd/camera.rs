@@ -15,14 +15,14 @@ pub struct Camera {
     reach: f64,
 }
 
-/// Why some numbers are no camera.
+/// Reasons why some numbers are not a camera.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CameraError {
     /// An image without pixels.
     #[error("an image of {0} × {1} pixels has no camera: expected a width and a height above 0")]
     NoPixels(u32, u32),
-    /// A focal length that is no length.
+    /// An invalid focal length.
     #[error("focal lengths of {0} and {1} pixels: expected finite numbers above 0")]
     NoFocalLength(f64, f64),
     /// A principal point that is nowhere.
@@ -253,7 +253,7 @@ mod tests {
     }
 
     proptest! {
-        /// Of any lens: directions within its reach come back, up to where its tangential part turns.
+        /// For any lens, directions within its reach come back, up to where its tangential part turns.
         #[test]
         fn directions_and_pixels_round_trip(
             distortion in distortions(),

@@ -6,7 +6,8 @@ use crate::cloud::{AxisConvention, ImageGrid, LengthUnit, Positions, RawCloud};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// The points of `depth`, a pixel each, in the frame of its camera; holes are NaN. `colors` has as many entries.
+/// The points of `depth`, one per pixel, in the frame of its camera; holes are NaN. `colors` has the same number of
+/// entries.
 ///
 /// Precondition: `rays` are of an image of the same size.
 pub fn cloud(depth: &DepthImage, rays: &RayTable, colors: Option<Vec<[u8; 4]>>) -> RawCloud {

@@ -2,9 +2,8 @@
 //!
 //! **How it works.** Images are a third of the bytes of their points: two bytes of depth and three of colour per pixel,
 //! as cameras deliver them (Hofer et al. 2018 §3.4: depth and colour are uploaded, not points). Numbers of 16 bits stay
-//! as they were recorded, with a table of what each means in metres: so a GPU has the metres of the CPU bit by bit,
-//! whatever the code. Filters are applied by whatever makes the points; those of [`Filters`] are the reference for
-//! them.
+//! as they were recorded, with a table of their values in metres: so the metres of GPU and CPU agree bit by bit,
+//! whatever the code. Filters are applied where the points are made; [`Filters`] is the reference for them.
 //!
 //! A temporal filter needs the images before, from the beginning of the group on. Frames of a group that one decoder
 //! decodes share them.
@@ -20,10 +19,10 @@ use std::sync::Arc;
 pub struct DepthTable(Arc<Vec<f32>>);
 
 impl DepthTable {
-    /// As many as there are numbers.
+    /// One entry per number.
     pub const LEN: usize = 1 << 16;
 
-    /// The table of what `metres` says; what is no distance (not finite, not above 0) becomes 0.
+    /// The table of values of `metres`; invalid distances (not finite, not above 0) become 0.
     pub fn new(metres: impl Fn(u16) -> f32) -> Self {
         let metres = (0..=u16::MAX).map(|number| distance(metres(number)));
         Self(Arc::new(metres.collect()))
@@ -43,7 +42,7 @@ impl DepthTable {
 /// A depth image before its filters, line by line from the top.
 #[derive(Debug)]
 pub enum DepthSamples {
-    /// As it was recorded, and what its numbers mean.
+    /// As recorded, and the meaning of its numbers.
     Coded {
         /// A number a pixel.
         numbers: Vec<u16>,
@@ -60,7 +59,7 @@ impl DepthSamples {
         Self::Coded { numbers, table }
     }
 
-    /// Metres, of which those that are no distance become 0.
+    /// Metres; invalid distances become 0.
     pub fn metres(mut metres: Vec<f32>) -> Self {
         for depth in &mut metres {
             *depth = distance(*depth);
@@ -84,7 +83,7 @@ impl DepthSamples {
         }
     }
 
-    /// Returns true if it has no pixels.
+    /// Returns true if it is empty.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -97,7 +96,7 @@ impl DepthSamples {
         }
     }
 
-    /// The image of these; `None` where they are not as many as it has pixels.
+    /// The image of these; `None` unless there is one per pixel.
     pub fn image(&self, size_px: [u32; 2]) -> Option<DepthImage> {
         let metres = match self {
             Self::Coded { numbers, table } => numbers
@@ -130,8 +129,8 @@ pub struct DepthFrame {
 }
 
 impl DepthFrame {
-    /// The images of a frame: its depths, with those of the frames before it that a temporal filter begins with, and
-    /// the colour of each pixel. `None` where they are not of one size and code.
+    /// The images of a frame: its depths, with the depths of the earlier frames that a temporal filter begins with, and
+    /// the colour of each pixel. `None` unless they have one size and code.
     pub fn new(
         before: Vec<Arc<DepthSamples>>,
         depth: Arc<DepthSamples>,
@@ -162,8 +161,8 @@ impl DepthFrame {
         frame.made_from()?.get()
     }
 
-    /// For [`RawCloud::made_from`](crate::cloud::RawCloud::made_from). Images before it are counted as one: they are
-    /// those of other frames, too.
+    /// For [`RawCloud::made_from`](crate::cloud::RawCloud::made_from). Images before it are counted as one: they belong
+    /// to other frames, too.
     pub fn into_made_from(self) -> MadeFrom {
         let images = 1 + usize::from(!self.before.is_empty());
         let of_colors = self.colors.as_ref().map_or(0, |colors| size_of_val(colors.as_slice()));
@@ -203,7 +202,7 @@ impl DepthFrame {
         &self.filters
     }
 
-    /// The filtered image, by the processor.
+    /// The filtered image, computed on the CPU.
     pub fn filtered(&self) -> Option<DepthImage> {
         let mut temporal = self.filters.temporal.map(TemporalFilter::new);
         let mut last = None;

@@ -14,8 +14,8 @@ pub struct DepthImage {
 }
 
 impl DepthImage {
-    /// The image of `metres`, of which those that are no distance (not finite, not above 0) become 0; `None` where they
-    /// are not as many as the image has pixels.
+    /// The image of `metres`; invalid distances (not finite, not above 0) become 0; `None` unless there is one per
+    /// pixel.
     pub fn new([width, height]: [u32; 2], mut metres: Vec<f32>) -> Option<Self> {
         let pixels = u64::from(width) * u64::from(height);
         if pixels == 0 || pixels != metres.len() as u64 {
@@ -75,7 +75,7 @@ pub struct ColorImage {
 }
 
 impl ColorImage {
-    /// The image of these colours; `None` where they are not as many as it has pixels.
+    /// The image of these colours; `None` unless there is one per pixel.
     pub fn new([width, height]: [u32; 2], pixels: Vec<[u8; 3]>) -> Option<Self> {
         let count = u64::from(width) * u64::from(height);
         (count > 0 && count == pixels.len() as u64).then_some(Self { width, height, pixels })
@@ -91,8 +91,7 @@ impl ColorImage {
         &self.pixels
     }
 
-    /// The colour at a place between pixels, which is taken from the four around it; beyond the border, that of the
-    /// border.
+    /// The colour at a place between pixels, interpolated from the four around it; beyond the border, the border's.
     pub fn bilinear(&self, [x, y]: [f32; 2]) -> [u8; 3] {
         let (columns, rows) = (self.width as usize, self.height as usize);
         let place = |at: f32, count: usize| {

@@ -1,4 +1,4 @@
-//! The direction of every pixel, worked out once a camera.
+//! The direction of every pixel, computed once per camera.
 
 use super::camera::Camera;
 use glam::DVec2;

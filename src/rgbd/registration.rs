@@ -1,10 +1,10 @@
 //! Registration of depth and colour images: colours for the pixels of a depth image, out of an image that another
 //! camera took, and depths for that image.
 //!
-//! *How it works.* The point of a depth pixel is moved into the frame of the colour camera and projected there. What is
-//! nearest at a place of that view hides what is behind it, so a depth buffer of the points themselves is drawn first.
-//! Its cells are as wide as the steps between neighbours of the depth image, and a point is drawn into the four cells
-//! around it: surfaces have no gaps through which what is behind them would take their colour.
+//! *How it works.* The point of a depth pixel is moved into the frame of the colour camera and projected there. The
+//! nearest point at a place of that view hides those behind it, so a depth buffer of the points themselves is drawn
+//! first. Its cells are as wide as the steps between neighbours of the depth image, and a point is drawn into the four
+//! cells around it: surfaces have no gaps through which points behind them would take their colour.
 
 use super::camera::Camera;
 use super::images::{ColorImage, DepthImage};
@@ -58,7 +58,7 @@ impl ColorCamera {
     }
 
     /// The depths of this camera's own image, as far as `depth` has them; 0 elsewhere. Where several places fall on one
-    /// pixel it is the nearest. The image has the shape of the camera's, and fewer pixels where neighbours of `depth`
+    /// pixel, the nearest counts. The image has the shape of the camera's, and fewer pixels if neighbours of `depth`
     /// are farther apart than those: so it has no holes between them.
     ///
     /// Precondition: `rays` are of an image of the same size as `depth`.
@@ -154,7 +154,7 @@ impl NearestDepth {
 
 /// Returns the spacing in the colour image of neighbours in a line of the depth image: the median, at least a pixel.
 fn step_px(seen: &[Option<ProjectedPoint>], width: usize) -> f64 {
-    /// As many lines say it as well as all.
+    /// This many lines give the same result as all.
     const LINES: usize = 16;
     let lines = seen.len() / width.max(1);
     let steps = seen.chunks_exact(width.max(1)).step_by(lines.div_ceil(LINES).max(1));
@@ -180,7 +180,7 @@ mod tests {
         Camera::new(size, DVec2::splat(focal), center, Distortion::None).unwrap()
     }
 
-    /// Red and green tell column and row.
+    /// Red and green encode column and row.
     fn places([width, height]: [u32; 2]) -> ColorImage {
         let pixels = (0..height).flat_map(|row| (0..width).map(move |column| [column as u8, row as u8, 0]));
         ColorImage::new([width, height], pixels.collect()).unwrap()
@@ -213,8 +213,7 @@ mod tests {
         }
     }
 
-    /// A wall with a bar before it, seen from the side: behind the bar the wall has no colour, and nowhere that of the
-    /// bar.
+    /// A wall with a bar before it, seen from the side: behind the bar the wall has no colour, and nowhere the bar's.
     #[test]
     fn hidden_points_have_no_color() {
         let depth_camera = camera([64, 48], 50.0);
@@ -260,7 +259,7 @@ mod tests {
         assert!((2..=4).contains(&hidden), "{hidden} pixels are hidden: {row:?}");
     }
 
-    /// A slanted wall with a post before it, at which a camera with a wider lens looks from beside.
+    /// A slanted wall with a post before it, seen from the side by a camera with a wider lens.
     #[test]
     fn depths_match_those_the_other_camera_would_measure() {
         let depth_camera = camera([128, 96], 117.0);
@@ -279,7 +278,7 @@ mod tests {
                 color_from_depth: DAffine3::from_translation(baseline),
             };
             let found = color.depths(&depth, &rays);
-            // As many pixels of the wall as the depth camera has, not as many as the colour camera.
+            // The number of pixels of the wall is the depth camera's, not the colour camera's.
             assert!((100..=150).contains(&found.size_px()[0]), "{:?}", found.size_px());
             let step = 128.0 / found.width() as f32;
             let row = &found.metres()[found.width() * (found.size_px()[1] as usize / 2)..][..found.width()];

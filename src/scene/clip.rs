@@ -1,8 +1,8 @@
-//! Clipping, or cropping: draws only what is within a box, or on one side of a plane; or all but that.
+//! Clipping, or cropping: draws only the records within a box, or on one side of a plane; or all but those.
 //!
 //! How it works. Records are excluded when a packet is made, by the positions of their centres, so every renderer and
-//! every primitive draws the same, and nobody can pick what is not drawn. Each record is tested for itself: a test
-//! costs as much as finding the box around its neighbours would. Whole points are kept or clipped: a splat or a voxel
+//! every primitive draws the same, and undrawn records cannot be picked. Each record is tested by itself: a test costs
+//! as much as finding the box around its neighbours would. Whole points are retained or clipped: a splat or a voxel
 //! whose centre is inside reaches beyond the border by its radius.
 
 use crate::cloud::{PointRecord, VoxelRecord};
@@ -16,7 +16,7 @@ const RECORDS_PER_TASK: usize = 1 << 14;
 /// A part of space, borders included.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ClipShape {
-    /// Between two corners; nothing is in it where one of `min` exceeds that of `max`.
+    /// Between two corners; empty if a coordinate of `min` exceeds that of `max`.
     Box {
         /// Smallest corner, scene units.
         min: DVec3,
@@ -25,7 +25,7 @@ pub enum ClipShape {
     },
     /// All places `p` with `normal · p ≥ offset`.
     Plane {
-        /// Towards what is inside; of any length but 0.
+        /// Towards the inside; of any length but 0.
         normal: DVec3,
         /// Plane offset along the normal, scene units if that has a length of 1.
         offset: f64,
@@ -81,12 +81,12 @@ pub struct Clip {
     pub is_on: bool,
     /// Clip shape.
     pub shape: ClipShape,
-    /// Draws what is not in the shape instead.
+    /// Draws everything outside the shape instead.
     pub keeps_outside: bool,
 }
 
 impl Clip {
-    /// Draws what is in `shape`.
+    /// Draws everything inside `shape`.
     pub fn to(shape: ClipShape) -> Self {
         Self {
             is_on: true,
@@ -95,7 +95,7 @@ impl Clip {
         }
     }
 
-    /// Returns true if a position is not clipped, so that what is there is drawn.
+    /// Returns true if a position is not clipped, so that records there are drawn.
     pub fn keeps(&self, place: DVec3) -> bool {
         !self.is_on || self.shape.contains(place) != self.keeps_outside
     }

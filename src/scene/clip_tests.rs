@@ -117,7 +117,7 @@ proptest! {
                 prop_assert_eq!(&retained, &*clipped.records);
                 continue;
             }
-            // With a clip, whatever a code would draw is drawn from all points.
+            // With a clip, content of a byte code is drawn from all points.
             let points = all.content.points().unwrap_or(&frame.points);
             let retained: Vec<usize> = (0..points.len()).filter(|&slot| is_drawn(points[slot].position)).collect();
             let points: Vec<_> = retained.iter().map(|&slot| points[slot]).collect();
@@ -149,7 +149,7 @@ proptest! {
             let Some(slot) = pick(&packet, &frame, at, 20.0) else { continue };
             let place = Vec3::from_array(frame.points[slot].position).as_dvec3();
             prop_assert!(clip.keeps(origin + place), "{} {:?}", way.primitive, way.codes.footprint);
-            // For points, it is the one that is drawn there: the same as if there were no others.
+            // For points, it is the one that is drawn there: unchanged by others.
             if way.primitive == Primitive::Point {
                 let alone: Vec<Vec3> =
                     places.iter().copied().filter(|place| clip.keeps(origin + place.as_dvec3())).collect();

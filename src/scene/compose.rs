@@ -1,7 +1,7 @@
 //! From a prepared frame, a camera and a style to the one value that a renderer draws.
 //!
 //! [`Scene`] remembers the last traversal: as long as camera, viewport, levels of detail and their policy stay, the
-//! visible set is the same allocation, so that nobody downstream uploads it again.
+//! visible set is the same allocation, so that it is not uploaded again downstream.
 
 use super::content::{CodedCells, Content, Surfels};
 use super::first_look::{PointSpacing, typical_spacing};
@@ -57,7 +57,7 @@ pub struct Scene {
     stats: SceneStats,
 }
 
-/// The last cut, what it depends on, and its records.
+/// The last cut, its inputs, and its records.
 #[derive(Debug)]
 struct LastCut {
     from: CutInput,
@@ -82,7 +82,7 @@ struct CutInput {
 }
 
 impl CutInput {
-    /// Returns true if the nodes are those of the same structure, selected with the same settings.
+    /// Returns true if the nodes belong to the same structure, selected with the same settings.
     fn has_same_nodes(&self, other: &Self) -> bool {
         ptr::addr_eq(Arc::as_ptr(&self.levels), Arc::as_ptr(&other.levels))
             && self.culls_back_faces == other.culls_back_faces
@@ -125,7 +125,7 @@ struct Wanted<'a> {
     params: &'a PacketParams,
 }
 
-/// All of a frame that a clip keeps, and what it was kept from.
+/// The part of a frame that a clip retains, and its source.
 #[derive(Debug)]
 struct Clipped {
     clip: Clip,
@@ -153,7 +153,7 @@ fn curved(frame: &PreparedFrame) -> Option<Surfels> {
 
 impl Scene {
     /// A scene that remembers which cells it drew, so that levels of detail do not flicker when the camera moves a
-    /// little. What it draws depends on what it drew before; that of [`Scene::default`] does not.
+    /// little. Its output depends on earlier drawing; that of [`Scene::default`] does not.
     pub fn that_remembers() -> Self {
         Self {
             remembers: true,
@@ -182,10 +182,10 @@ impl Scene {
         }
     }
 
-    /// The packet for `frame`, whose positions are relative to `origin`, to be shown in a picture of `viewport_px`;
-    /// what is drawn may be smaller, see [`Style::drawn_px`].
+    /// The packet for `frame`, whose positions are relative to `origin`, to be shown in an image of `viewport_px`; the
+    /// drawn one may be smaller, see [`Style::drawn_px`].
     ///
-    /// A frame that lacks what the primitive needs gives a packet that draws nothing of it; see [`Scene::needs`].
+    /// A frame that lacks data that the primitive needs gives a packet that draws nothing of it; see [`Scene::needs`].
     pub fn packet(
         &mut self,
         frame: &PreparedFrame,
@@ -245,8 +245,8 @@ impl Scene {
         }
     }
 
-    /// Returns the content to draw of `frame`. Whatever is drawn from levels of detail is drawn from all points if they
-    /// do not exist.
+    /// Returns the content to draw of `frame`. Primitives drawn from levels of detail are drawn from all points if
+    /// there are none.
     fn content(&mut self, wanted: &Wanted<'_>) -> Content {
         let &Wanted {
             frame,
@@ -323,7 +323,7 @@ impl Scene {
         })
     }
 
-    /// [`PacketParams::point_spacing`] of a frame for a style, if that asks for it.
+    /// [`PacketParams::point_spacing`] of a frame for a style, if that requires it.
     fn point_spacing(&mut self, frame: &PreparedFrame, style: &Style) -> f32 {
         let is_of_points = style.primitive == Primitive::Point && style.points.sizing != PointSizing::Pixels;
         if !is_of_points && !style.has_screen_normals() {
@@ -351,8 +351,8 @@ impl Scene {
         retained
     }
 
-    /// The byte code of a frame, if it is to be drawn. What is not a threshold chooses a level: as the code is stored
-    /// breadth-first, that is one of its prefixes.
+    /// The byte code of a frame, if it is to be drawn. Any setting but a threshold chooses a level: as the code is
+    /// stored breadth-first, that is one of its prefixes.
     fn coded(&self, frame: &PreparedFrame, style: &Style) -> Option<CodedCells> {
         let is_drawn = style.levels_kind() == Some(LevelsKind::Codes);
         let cloud = frame.levels.codes().filter(|_| is_drawn)?;
@@ -371,7 +371,7 @@ impl Scene {
         })
     }
 
-    /// Takes notice of how long the last picture took to draw, for [`Lod::FrameTimeMs`].
+    /// Records how long the last image took to draw, for [`Lod::FrameTimeMs`].
     pub fn note_draw_ms(&mut self, style: &DrawSettings, draw_ms: f64) {
         if let Lod::FrameTimeMs(asked_ms) = style.levels.lod
             && style.levels_kind().is_some()
@@ -391,7 +391,7 @@ impl Scene {
         self.screen.stats()
     }
 
-    /// The records of a cut for a view; those of the last one if nothing has changed.
+    /// The records of a cut for a view; or of the last one if nothing has changed.
     fn cut(&mut self, from: CutInput) -> Content {
         if let Some(last) = &self.last_cut
             && last.from == from

@@ -8,17 +8,17 @@ use crate::scene::clip::at;
 use crate::scene::visible::visible_points::VisiblePoints;
 use std::sync::Arc;
 
-/// The records of a packet. Equal if they are the same allocations: nobody compares or uploads them again.
+/// The records of a packet. Equal if they are the same allocations: neither compared nor uploaded again.
 #[derive(Debug, Clone, Default)]
 pub enum Content {
-    /// The frame lacks what the primitive needs: only the background is drawn.
+    /// The frame lacks data that the primitive needs: only the background is drawn.
     #[default]
     Nothing,
-    /// Points of which nothing is known but places and colours.
+    /// Points with only positions and colours.
     Points(Arc<Vec<PointRecord>>),
     /// Points with radii and normals: oriented disks, or points where the primitive is the point.
     Surfels(Surfels),
-    /// Oriented disks selected from those of all nodes of levels of detail, for GPUs, which keep these.
+    /// Oriented disks selected from all nodes of levels of detail, for GPUs, which hold them all.
     Selected(Selected),
     /// Oriented disks of the points that are visible in an image, for GPUs, which find them and their normals.
     Visible(Arc<VisiblePoints>),
@@ -30,7 +30,7 @@ pub enum Content {
     Coded(CodedCells),
 }
 
-/// Oriented disks: as many records of both kinds.
+/// Oriented disks: the same number of records of both kinds.
 #[derive(Debug, Clone)]
 pub struct Surfels {
     /// Positions and colours.
@@ -49,7 +49,7 @@ pub struct Selected {
 }
 
 impl Selected {
-    /// Those that are drawn, side by side.
+    /// The drawn surfels, contiguously.
     pub fn gathered(&self) -> Surfels {
         let (points, shapes) = self.selection.gathered(&self.nodes, Vec::new(), Vec::new());
         Surfels {
@@ -64,7 +64,7 @@ impl Selected {
 pub struct Voxels {
     /// One record a drawn cell.
     pub records: Arc<Vec<VoxelRecord>>,
-    /// Records of which only the normals count, one a cell, where light falls on them and not on faces.
+    /// Records used for their normals only, one per cell, where these are lit and not the faces.
     pub normals: Option<Arc<Vec<ShapeRecord>>>,
     /// Edge of the octree's cube; a cell of level h has this edge / 2^h.
     pub cube_edge: f32,
@@ -75,14 +75,14 @@ pub struct Voxels {
 pub struct CodedCells {
     /// The code.
     pub cloud: Arc<CodedCloud>,
-    /// Cells whose edge projects below so many pixels are not divided.
+    /// Cells whose edge projects below this many pixels are not divided.
     pub lod_px: f32,
     /// Cells of this level are not divided: the codes and attributes of the levels down to it are a coarser cloud.
     pub deepest_level: u32,
 }
 
 impl Content {
-    /// The surfels of what is left to who draws: some of those of all nodes, or those of visible points.
+    /// Surfels left to the renderer: a selection from all nodes, or those of visible points.
     pub fn gathered(&self) -> Option<Surfels> {
         match self {
             Self::Selected(selected) => Some(selected.gathered()),
@@ -145,8 +145,8 @@ impl Content {
         }
     }
 
-    /// Number of records; of byte codes the nodes of the deepest level that may be drawn, of points of which the
-    /// visible ones are drawn that of all.
+    /// Number of records; of byte codes the nodes of the deepest level that may be drawn, of points drawn where
+    /// visible, the number of all.
     pub fn record_count(&self) -> usize {
         match self {
             Self::Nothing => 0,
@@ -208,7 +208,7 @@ impl Content {
         }
     }
 
-    /// The memory of what nobody else holds.
+    /// The memory that is not shared.
     pub(super) fn into_buffers(self) -> RecordBuffers {
         fn memory<T>(records: Arc<Vec<T>>) -> Vec<T> {
             Arc::try_unwrap(records).unwrap_or_default()

@@ -1,5 +1,5 @@
-//! Plain data between the sequence and a renderer: where the camera is, how the picture is asked for, and the
-//! [`ScenePacket`] that holds everything one picture needs. Nothing here knows a graphics API.
+//! Plain data between the sequence and a renderer: the camera, the settings of the image, and the [`ScenePacket`] that
+//! holds everything one image needs. Nothing here knows a graphics API.
 
 mod annotations;
 mod clip;

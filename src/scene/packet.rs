@@ -1,11 +1,11 @@
-//! Everything that one picture needs.
+//! Everything that one image needs.
 
 use super::content::Content;
 use super::style::{Antialiasing, BackFaces, Splatting};
 use super::{Clip, DrawSettings, GroundPlane, Lighting, PhotosInFrame, Primitive, ViewTransform};
 use crate::math::Aabb;
 
-/// Everything a renderer needs for one picture. Equal packets make equal pictures.
+/// Everything a renderer needs for one image. Equal packets make equal images.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScenePacket {
     /// Width and height, at least 1.
@@ -20,7 +20,7 @@ pub struct ScenePacket {
     pub bounds: Aabb,
     /// The plane of [`super::Backdrop::grid`], if it is on.
     pub ground: Option<GroundPlane>,
-    /// Posed images that surfaces take their colours from, if these are not those of points.
+    /// Posed images that surfaces take their colours from, if not from the points.
     pub posed_images: Option<PhotosInFrame>,
     /// Parameters derived from settings for this image.
     pub params: PacketParams,
@@ -60,13 +60,13 @@ impl ScenePacket {
         drawn
     }
 
-    /// Height of the whole picture that this one is a part of, pixels.
+    /// Height of the whole image that this one is a part of, pixels.
     pub fn whole_height_px(&self) -> f32 {
         let [top, bottom] = self.view.rows_of_whole;
         self.viewport_px[1] as f32 / (bottom - top)
     }
 
-    /// Returns the lighting of what is drawn: points without normals are not lit.
+    /// Returns the lighting of the content: points without normals are not lit.
     pub fn lighting(&self) -> Lighting {
         let is_lit = match &self.content {
             Content::Points(_) => false,
@@ -97,8 +97,8 @@ impl ScenePacket {
         packet
     }
 
-    /// The part of `part_px` of this picture whose upper left pixel is `start_px`, with the same records. Precondition:
-    /// it lies within the picture, which is no part itself.
+    /// The part of `part_px` of this image whose upper left pixel is `start_px`, with the same records. Precondition:
+    /// it lies within the image, which is not a part itself.
     #[must_use]
     pub fn part(&self, start_px: [u32; 2], part_px: [u32; 2]) -> Self {
         Self {

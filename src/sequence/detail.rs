@@ -9,7 +9,7 @@ pub enum Detail {
     /// All.
     #[default]
     Full,
-    /// At most so many, taken evenly.
+    /// At most this many, taken evenly.
     AtMost(NonZeroU32),
 }
 
@@ -27,7 +27,7 @@ impl Detail {
         }
     }
 
-    /// Returns true if `frame` has as many points as are wanted. Three quarters of them will do: a frame is not rebuilt
+    /// Returns true if `frame` has enough points. Three quarters of the wanted number will do: a frame is not rebuilt
     /// for so little. A level of detail will do if the next finer one has more.
     pub(super) fn is_met_by(self, frame: &Frame) -> bool {
         let points = frame.len() + frame.dropped_points();
@@ -35,7 +35,7 @@ impl Detail {
         !frame.is_sample() || points >= self.max_points() / 4 * 3 || frame.points_of_finer().is_some_and(is_finest)
     }
 
-    /// Returns true if `frame` has so many more points that it is worth creating one with fewer.
+    /// Returns true if `frame` has enough excess points to make creating one with fewer worthwhile.
     pub(super) fn is_exceeded_by(self, frame: &Frame) -> bool {
         frame.len() > self.max_points().saturating_mul(3) / 2
     }

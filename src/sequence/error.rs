@@ -7,7 +7,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Why one frame cannot be shown. The sequence plays on without it.
+/// Reasons why one frame cannot be shown. The sequence plays on without it.
 #[derive(Debug, Clone, thiserror::Error)]
 #[non_exhaustive]
 pub enum FrameError {
@@ -57,7 +57,7 @@ pub enum FrameError {
         /// The file.
         path: PathBuf,
     },
-    /// It came from something that cannot be rewound, and nobody has kept it.
+    /// It came from something that cannot be rewound, and was not retained.
     #[error("{}: {} is gone: it was live and is kept nowhere", path.display(), frame_by_index(*index))]
     Gone {
         /// Index in the sequence.
@@ -65,7 +65,7 @@ pub enum FrameError {
         /// Path it came from.
         path: PathBuf,
     },
-    /// The program's own fault, kept to this frame.
+    /// The program's own fault, confined to this frame.
     #[error("{}: the program failed on this frame ({message}); the other frames still play, please report it with the \
         file", path.display())]
     Panic {
@@ -79,7 +79,7 @@ pub enum FrameError {
     /// An index beyond the end.
     #[error("frame {index} does not exist: the sequence has {count} frames, and indices count from 0")]
     NoSuchFrame {
-        /// The index asked for.
+        /// The requested index.
         index: usize,
         /// Number of frames.
         count: usize,

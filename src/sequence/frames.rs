@@ -28,7 +28,7 @@ use std::time::Instant;
 /// its end.
 pub struct Sequence {
     source: Arc<dyn Source>,
-    /// Decoders that nobody uses now, those unused for longest first, and the frame that each has decoded last.
+    /// Idle decoders, those unused for longest first, and the frame that each has decoded last.
     decoders: Mutex<IdleDecoders>,
     /// Idle decoders for meshes.
     mesh_decoders: Mutex<IdleDecoders>,
@@ -73,7 +73,7 @@ impl Sequence {
     }
 
     /// The frames of `inputs`: folders, glob patterns and files in any mix, in natural number order. See
-    /// [`SequenceError`] for what can be wrong.
+    /// [`SequenceError`] for possible errors.
     pub fn discover(inputs: &[PathBuf]) -> Result<Self, SequenceError> {
         Self::open(inputs, &OpenOptions::default())
     }
@@ -114,7 +114,7 @@ impl Sequence {
         Self::of(FrameList::new(entries, move |entry, _| decode(entry)))
     }
 
-    /// Returns a sequence of the same frames, of which nothing is decoded yet and the origin is not decided.
+    /// Returns a sequence of the same frames, with nothing decoded yet and the origin undecided.
     #[must_use]
     pub(crate) fn fresh(&self) -> Self {
         Self::of_shared(Arc::clone(&self.source), self.fps, self.no_data)
@@ -203,7 +203,7 @@ impl Sequence {
     /// Returns the origin, which is subtracted from file coordinates before they become f32.
     ///
     /// Zero unless the coordinates are large against the extent of the cloud; decided by the first frame that can be
-    /// read and has a finite point. The first call decodes that frame, and keeps it for whoever loads it next.
+    /// read and has a finite point. The first call decodes that frame, and caches it for the next load.
     pub fn origin(&self) -> DVec3 {
         // It cannot be cancelled.
         let never = Progress::default();
@@ -211,7 +211,7 @@ impl Sequence {
     }
 
     /// Takes the origin of `other` where f32 from there keep the detail, so that the same coordinates of both files
-    /// become the same f32. To be said before the origin is asked for; later it changes nothing.
+    /// become the same f32. To be set before the origin is requested; later it changes nothing.
     pub fn share_origin_with(self: &Arc<Self>, other: &Arc<Self>) {
         if !Arc::ptr_eq(self, other) {
             self.origin.share(Arc::clone(other) as Arc<dyn OriginFrames>);
@@ -281,14 +281,14 @@ impl Sequence {
         assumptions.extend(&lock(&self.assumptions).sorted());
         let mut assumptions = assumptions.sorted();
         match self.fps {
-            // What the user says is not an assumption.
+            // A user's statement is not an assumption.
             Some(_) => assumptions.retain(|assumption| assumption.subject != Subject::FrameTimes),
             None => assumptions.extend(self.assumed_fps()),
         }
         assumptions
     }
 
-    /// The frame rate of files whose times nothing says.
+    /// The frame rate of files without known times.
     fn assumed_fps(&self) -> Option<Assumption> {
         let is_file = |index| matches!(self.entry(index).content, FrameBytes::File(_));
         let is_read = !self.source.inputs().is_empty();
@@ -301,7 +301,7 @@ impl Sequence {
         Some(Assumption::new(Subject::FrameTimes, value, why, Evidence::Fallback))
     }
 
-    /// Points of frame `index` that tell the ranges of values of all.
+    /// Points of frame `index` that represent the value ranges of all.
     fn sample_of(&self, index: usize, raw: &RawCloud, origin: DVec3) -> ValueSample {
         let missing = MissingPoints::of(raw, self.no_data);
         let mut sample = ValueSample::of_raw(raw, &missing.indices, origin);
@@ -311,8 +311,7 @@ impl Sequence {
         sample
     }
 
-    /// Returns true if the value ranges are those of a file that has changed since: all frames have to be prepared
-    /// again.
+    /// Returns true if the value ranges belong to a file that has changed since: all frames have to be prepared again.
     pub(crate) fn are_ranges_outdated(&self) -> bool {
         self.origin.is_sample_outdated()
     }
@@ -326,13 +325,13 @@ impl Sequence {
         changed
     }
 
-    /// That the reading of frame `index` was cancelled.
+    /// The error that the reading of frame `index` was cancelled.
     pub(crate) fn cancelled(&self, index: usize) -> FrameError {
         let path = self.entry(index).path.clone();
         FrameError::Cancelled { index, path }
     }
 
-    /// [`Sequence::decode`], or what was decoded to decide the origin and nobody has asked for since.
+    /// [`Sequence::decode`], or the frame decoded to decide the origin and not requested since.
     pub(crate) fn take_decoded(&self, index: usize) -> Result<RawCloud, FrameError> {
         match self.origin.take_cached(index) {
             Some(cached) => cached.map(|(raw, _)| raw),
@@ -351,7 +350,8 @@ impl Sequence {
         self.decode_count.load(Ordering::Relaxed)
     }
 
-    /// [`Sequence::frame`] in some detail, with its time; takes the frame that decided the origin if it is still kept.
+    /// [`Sequence::frame`] in some detail, with its time; takes the frame that decided the origin if it is still
+    /// cached.
     ///
     /// # Errors
     /// As [`Sequence::frame`], and [`FrameError::Cancelled`] once `progress` is.
@@ -387,8 +387,8 @@ impl Sequence {
         })
     }
 
-    /// The triangles of frame `index`, relative to [`Sequence::origin`]: the file is read once more, as most pictures
-    /// are drawn without them.
+    /// The triangles of frame `index`, relative to [`Sequence::origin`]: the file is read once more, as most images are
+    /// drawn without them.
     ///
     /// # Errors
     /// As [`Sequence::load`].
@@ -403,7 +403,7 @@ impl Sequence {
     }
 
     /// Makes holes of the points that stand for no measurement, and remembers that. Images of a depth camera have holes
-    /// already. `whole_count` is that of the frame where `cloud` is a sample.
+    /// already. `whole_count` is the frame's if `cloud` is a sample.
     fn drop_missing(&self, cloud: &mut RawCloud, whole_count: Option<usize>) -> MissingPoints {
         let rule = match cloud.made_from {
             Some(_) => NoData::None,
@@ -462,7 +462,7 @@ impl Sequence {
         })
     }
 
-    /// Bytes of the decoded frame kept since the origin was decided.
+    /// Bytes of the decoded frame cached since the origin was decided.
     pub(crate) fn cached_bytes(&self) -> usize {
         self.origin.cached_bytes()
     }
@@ -489,10 +489,9 @@ fn validated(decoded: DecodedFrame, origin: DVec3, detail: Detail) -> Result<Fra
     }
 }
 
-/// A decoder that nobody uses: the one that is nearest before `index` in its group, as it may know what that frame is
-/// made from. One that is on another group is taken only where there are as many as there are processors: one that has
-/// ended its group, for who makes the next frame of a group comes back for its decoder; any where they are twice as
-/// many.
+/// An idle decoder: the one that is nearest before `index` in its group, as it may know the frames that one is made
+/// from. One on another group is taken only if there are as many as CPUs: one that has ended its group, as the worker
+/// of the next frame of a group comes back for its decoder; or any, if they are twice as many.
 fn take_idle(
     idle: &Mutex<IdleDecoders>,
     index: usize,

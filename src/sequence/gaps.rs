@@ -15,8 +15,8 @@ pub struct NumberGap {
     pub numbers: RangeInclusive<u64>,
 }
 
-/// Returns the gaps in the frame numbers, in order. Every second frame may have been kept on purpose: the smallest step
-/// is the rule. Times of a sensor may be counters as well, but what lies between them is not missing.
+/// Returns the gaps in the frame numbers, in order. Every second frame may have been selected on purpose: the smallest
+/// step is the rule. Times of a sensor may be counters as well, but values between them are not missing frames.
 pub fn number_gaps(entries: &[Arc<FrameEntry>]) -> Vec<NumberGap> {
     let numbers: Option<Vec<u64>> = entries.iter().map(|entry| entry.number).collect();
     let numbers = numbers.unwrap_or_default();

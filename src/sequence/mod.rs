@@ -1,8 +1,8 @@
 //! A sequence of point clouds through time: finding its files, preparing its frames ahead of the playhead, playing it.
 //!
-//! [`Sequence::discover`] orders files without reading them. [`crate::timeline::Clock`] says which frame is due. A
-//! [`Loader`] decodes and prepares frames on worker threads in the order in which the clock will ask for them, and
-//! keeps what a byte budget allows:
+//! [`Sequence::discover`] orders files without reading them. [`crate::timeline::Clock`] determines the frame that is
+//! due. A [`Loader`] decodes and prepares frames on worker threads in the order in which the clock will request them,
+//! and caches as many as a byte budget allows:
 //!
 //! ```no_run
 //! use pointreel::sequence::{Loader, LoaderOptions, Needs, Sequence};

@@ -1,4 +1,4 @@
-//! Needs of an image from a frame: what is not needed is not computed.
+//! Needs of an image from a frame: nothing else is computed.
 
 use super::{ColorHints, Coloring};
 use crate::analysis::SurfaceOptions;
@@ -9,11 +9,11 @@ use crate::levels::LevelsKey;
 pub struct Needs {
     /// Normals and radii: for surfels, and for light on voxels.
     pub shapes: bool,
-    /// Ellipses of splats: how much longer than wide they are, and along what; nothing without `shapes`.
+    /// Ellipses of splats: their elongation and its direction; no effect without `shapes`.
     pub ellipses: bool,
     /// The triangles of the file, where it has some.
     pub mesh: bool,
-    /// Levels of detail; those that are made of shapes only where `shapes` are asked for as well.
+    /// Levels of detail; those that are made of shapes only if `shapes` are requested as well.
     pub levels: Option<LevelsKey>,
     /// The colours of points and voxels.
     pub colors: Coloring,

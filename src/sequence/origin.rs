@@ -6,14 +6,14 @@
 //! keeps the origin short in binary, so that subtracting it from f32 coordinates is exact.
 //!
 //! **By some points.** Of a large frame some points are shown before all are read: they decide then. The grid's step
-//! and the centre are those of all points, or so near to them that f32 from there keep as much.
+//! and the centre match those of all points, or are so near that f32 from there keep the same precision.
 //!
-//! **Alongside another sequence** its origin is used where that keeps enough: the same coordinates of two files are
+//! **Alongside another sequence** its origin is used if that preserves enough: the same coordinates of two files are
 //! then the same f32, and equal clouds have no distance.
 //!
-//! **Once.** The first caller decodes frames from the start until one is readable, others wait for it. What it decoded
-//! is kept until somebody loads that frame, and errors it met are kept as well: nothing is decoded twice, except what
-//! was cancelled.
+//! **Once.** The first caller decodes frames from the start until one is readable, others wait for it. Its decoded
+//! frame is cached until it is loaded, and errors it met are cached as well: nothing is decoded twice, except cancelled
+//! frames.
 
 use super::error::FrameError;
 use crate::cloud::{MissingPoints, NoData, RawCloud, ValueSample};
@@ -27,11 +27,11 @@ use std::sync::{Arc, Mutex, OnceLock};
 /// The centre may be this many extents away from zero before the origin moves.
 const FAR_IN_EXTENTS: f64 = 4.0;
 
-/// As many for the origin of another sequence: 18 bits are left, finer than points are apart, and a part of a cloud has
-/// the same f32 as the whole.
+/// Maximum distance of the centre from the origin of another sequence, in extents: 18 bits are left, finer than the point
+/// spacing, and a part of a cloud has the same f32 as the whole.
 const FAR_COMPANION_IN_EXTENTS: f64 = 64.0;
 
-/// A decoded frame with its time in milliseconds, or why there is none.
+/// A decoded frame with its time in milliseconds, or the reason why there is none.
 type Cached = Result<(RawCloud, f32), FrameError>;
 
 /// Provenance of an origin: how it was decided.
@@ -65,17 +65,17 @@ pub(super) trait OriginFrames: Send + Sync {
 #[derive(Default)]
 pub(super) struct OriginFinder {
     origin: OnceLock<DVec3>,
-    /// Held by whoever decides it, and how often that was cancelled.
+    /// Held by the deciding thread, with the number of cancellations.
     deciding: Mutex<()>,
     given_up: AtomicUsize,
-    /// Whose origin is taken if it can be.
+    /// The sequence whose origin is taken if possible.
     companion: OnceLock<Arc<dyn OriginFrames>>,
     cached: Mutex<BTreeMap<usize, Cached>>,
     /// Points of the frame that decided it.
     sample: Mutex<SharedSample>,
 }
 
-/// Points of one frame that tell the ranges of values of all.
+/// Points of one frame that represent the value ranges of all.
 #[derive(Default)]
 struct SharedSample {
     /// With the index of the frame.
@@ -112,8 +112,8 @@ impl OriginFinder {
         })
     }
 
-    /// Takes the origin of `other` if that keeps the detail. Says nothing any more once the origin is decided, or for
-    /// the second time.
+    /// Takes the origin of `other` if that keeps the detail. Has no effect once the origin is decided, or for the
+    /// second time.
     pub(super) fn share(&self, other: Arc<dyn OriginFrames>) {
         if self.companion.set(other).is_err() {
             log::debug!("an origin is shared with one other sequence");
@@ -180,14 +180,14 @@ impl OriginFinder {
         Some(Decided::ByNone)
     }
 
-    /// Forgets why frame `index` could not be read, or what was read of it.
+    /// Discards the error of frame `index`, or the data read of it.
     pub(super) fn forget(&self, index: usize) {
         lock(&self.cached).remove(&index);
         let mut sample = lock(&self.sample);
         sample.is_outdated |= sample.of.as_ref().is_some_and(|(decided, _)| *decided == index);
     }
 
-    /// Returns true if the points of [`OriginFinder::sample`] are those of a file that has changed since.
+    /// Returns true if the points of [`OriginFinder::sample`] belong to a file that has changed since.
     pub(super) fn is_sample_outdated(&self) -> bool {
         lock(&self.sample).is_outdated
     }
@@ -203,7 +203,7 @@ impl OriginFinder {
         sample.is_outdated = false;
     }
 
-    /// Returns the result kept for frame `index` since the origin was decided; a decoded frame is handed out once,
+    /// Returns the result cached for frame `index` since the origin was decided; a decoded frame is handed out once,
     /// errors stay.
     pub(super) fn take_cached(&self, index: usize) -> Option<Cached> {
         let mut cached = lock(&self.cached);
@@ -350,7 +350,7 @@ mod tests {
         };
         let survey = DVec3::new(4.5e6, 5.0e5, 100.0);
         let a = corners(survey, 64.0);
-        // A part of it has its own origin, on a finer grid, and takes that of the whole.
+        // A part of it has its own origin, on a finer grid, and takes the origin of the whole.
         let part = corners(survey + DVec3::splat(9.0), 10.0);
         let alone = corners(survey + DVec3::splat(9.0), 10.0);
         part.share_origin_with(&a);

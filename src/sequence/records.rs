@@ -16,7 +16,7 @@ const POINTS_PER_TASK: usize = 1 << 15;
 pub(super) struct CompleteSurface<'a> {
     normals: Cow<'a, [Vec3]>,
     radii: Cow<'a, [f32]>,
-    /// By what the signs of the normals were decided, of most of them.
+    /// The criterion that decided the signs of most normals.
     pub(super) orientation: Orientation,
 }
 
@@ -36,8 +36,8 @@ pub(super) fn lacks_surface(frame: &Frame) -> bool {
     frame.all_normals().is_none() || frame.all_radii().is_none()
 }
 
-/// Takes what the file has and estimates the rest: a zero normal and a zero radius count as missing. Where normals are
-/// missing, `estimate` is given the positions and the place of the sensor.
+/// Takes the attributes of the file and estimates the rest: a zero normal and a zero radius count as missing. Where
+/// normals are missing, `estimate` is given the positions and the place of the sensor.
 pub(super) fn complete_surface(
     frame: &Frame,
     estimate: impl FnOnce(&[Vec3], Option<Vec3>) -> Surface,
@@ -80,7 +80,7 @@ pub(super) fn complete_surface(
     }
 }
 
-/// Overwrites `estimated` with what the file gave, where it is usable.
+/// Overwrites `estimated` with the file's values, where usable.
 fn keep_given<T: Copy>(estimated: &mut [T], given: Option<&[T]>, usable: impl Fn(&T) -> bool) {
     for (estimated, given) in estimated.iter_mut().zip(given.unwrap_or_default()) {
         if usable(given) {
@@ -89,7 +89,7 @@ fn keep_given<T: Copy>(estimated: &mut [T], given: Option<&[T]>, usable: impl Fn
     }
 }
 
-/// One record a point, all disks; a scalar that the file does not have, or is no number there, is 0.
+/// One record per point, all disks; a scalar that is missing in the file, or not a number, is 0.
 ///
 /// Written where they stay, part by part: a closure for each, handed to an iterator of many threads, is a call with the
 /// record in memory, which is then read as a whole and waits for all parts. That was 14 % of preparing a frame.
@@ -137,7 +137,7 @@ pub(super) fn with_ellipses(frame: &Frame, shapes: &[ShapeRecord]) -> Vec<ShapeR
         .collect()
 }
 
-/// Records in `paint`, which is that of this frame. Precondition: `shapes` for fake colours of a frame that lacks
+/// Records in `paint`, which belongs to this frame. Precondition: `shapes` for fake colours of a frame that lacks
 /// normals.
 pub(super) fn painted_points(frame: &Frame, paint: &Paint, shapes: Option<&[ShapeRecord]>) -> Vec<PointRecord> {
     let in_one = |[red, green, blue]: [u8; 3]| {

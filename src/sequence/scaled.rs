@@ -65,7 +65,7 @@ pub(super) fn points_on_scale(
     })
 }
 
-/// Records in the colours of `classes`, one a point.
+/// Records in the colours of `classes`, one per point.
 pub(super) fn points_in_class_colors(frame: &Frame, classes: &[f32]) -> Vec<PointRecord> {
     let mut table: Vec<[u8; 4]> = (0..CLASSES as i32).map(class_color).collect();
     table.push(NO_VALUE_COLOR);
@@ -80,7 +80,7 @@ pub(super) fn points_in_class_colors(frame: &Frame, classes: &[f32]) -> Vec<Poin
     })
 }
 
-/// Records in colours of `table`: `fill` tells the numbers of some points, `place` where in the table these are.
+/// Records in colours of `table`: `fill` gives the numbers of some points, `place` their position in the table.
 fn in_chunks(
     frame: &Frame,
     table: &[[u8; 4]],

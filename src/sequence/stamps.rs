@@ -6,7 +6,7 @@
 use crate::timeline::Pace;
 use std::time::Duration;
 
-/// The median of so many spacings serves until there are so many eighths of them.
+/// The median of this many spacings serves until there are this many eighths of them.
 const MEDIAN_SERVES_EIGHTHS: usize = 9;
 
 /// Statistics of the timestamps of the first frames.
@@ -17,7 +17,7 @@ pub(super) struct Stamps {
     last: Duration,
     spacings_s: Vec<f64>,
     median_s: f64,
-    /// It is the median of so many spacings.
+    /// Number of spacings in the median.
     median_of: usize,
     /// A frame has no time, or is not later than the one before.
     are_useless: bool,

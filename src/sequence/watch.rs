@@ -34,7 +34,7 @@ fn look(sequence: &Weak<Sequence>, wake: &Arc<dyn Fn() + Send + Sync>) {
         match source.wait_for_more(INTERVAL) {
             Ok(0) => {}
             Ok(_) => wake(),
-            // A network folder comes and goes; what is open stays.
+            // A network folder comes and goes; open sequences stay.
             Err(error) => log::debug!("{error}"),
         }
         let changed = source.changed_since(changes).len();

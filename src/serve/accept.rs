@@ -1,8 +1,8 @@
 //! Pauses of a server that can take no connection: descriptors are used up, or a client has left already.
 //!
-//! **How it works.** The connection that could not be taken stays in the queue of the system, so that the next attempt
-//! fails at once: a loop without a pause has a processor for itself. Pauses double up to a quarter of a second; it is
-//! said once, and once more when connections are taken again.
+//! **How it works.** The connection that could not be accepted stays in the queue of the system, so that the next
+//! attempt fails at once: a loop without a pause would occupy a CPU core. Pauses double up to a quarter of a second; it
+//! is reported once, and once more when connections are accepted again.
 
 use std::io::{self, ErrorKind};
 use std::time::Duration;
@@ -10,8 +10,7 @@ use std::time::Duration;
 /// The first pause, and the longest.
 const PAUSES: [Duration; 2] = [Duration::from_millis(10), Duration::from_millis(250)];
 
-/// True for the error of a process, or a system, that has as many files open as it may: on Unix `EMFILE` and
-/// `ENFILE`.
+/// True for the error of a process, or a system, at its limit of open files: on Unix `EMFILE` and `ENFILE`.
 pub(super) fn is_out_of_descriptors(error: &io::Error) -> bool {
     cfg!(unix) && matches!(error.raw_os_error(), Some(23 | 24))
 }

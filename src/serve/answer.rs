@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::ops::Range;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-/// A date in seconds tells versions of a file apart only where the file is older by so much (RFC 9110 §8.8.2.2).
+/// A date in seconds distinguishes versions of a file only if the file is older by this much (RFC 9110 §8.8.2.2).
 const DATE_IS_STRONG: Duration = Duration::from_secs(2);
 
 /// Formats a timestamp as HTTP writes it (RFC 9110 §5.6.7); `None` before 1970, which it cannot write.
@@ -116,7 +116,7 @@ impl Served<'_> {
         .with(of_range)
     }
 
-    /// The methods that may be asked for; those of pages of other origins only where `--cors` names them.
+    /// The allowed methods; for pages of other origins only if `--cors` names these.
     fn options(&self, request: &Request, answer: Answer) -> Answer {
         let cors = cors_fields(self.cors, request.origin.as_deref());
         let is_allowed = cors.iter().any(|(name, _)| *name == "Access-Control-Allow-Origin");
@@ -156,7 +156,7 @@ impl Answer {
 
     pub(super) fn head(&self) -> String {
         let mut head = format!("HTTP/1.1 {}\r\n", self.status);
-        // RFC 9110 §8.6: no length where there can be no content.
+        // RFC 9110 §8.6: no length if content is impossible.
         if !self.status.starts_with("204") {
             // Writing to a String cannot fail.
             let _ = write!(head, "Content-Length: {}\r\n", self.length);

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 const LONG: Duration = Duration::from_mins(1);
 
-/// Maximum response time for a well-formed request, whoever else is there: two seconds, of a machine that is busy.
+/// Maximum response time for a well-formed request, with any other clients: two seconds, on a busy machine.
 const SOON: Duration = Duration::from_secs(15);
 
 const FILE: &[u8] = b"0123456789";
@@ -95,7 +95,7 @@ impl Drop for Running {
     }
 }
 
-/// All that comes; what ends in a reset has what came before.
+/// All received bytes; after a reset, those before it.
 fn rest_of(mut stream: TcpStream) -> String {
     let (mut all, mut piece) = (Vec::new(), [0; 4096]);
     while let Ok(count @ 1..) = stream.read(&mut piece) {
@@ -104,7 +104,7 @@ fn rest_of(mut stream: TcpStream) -> String {
     String::from_utf8_lossy(&all).into_owned()
 }
 
-/// Until the server hangs up; what it says before is dropped.
+/// Waits until the server hangs up; received data is dropped.
 fn assert_left(mut stream: TcpStream) {
     let begun = Instant::now();
     let mut piece = [0; 4096];
@@ -118,7 +118,7 @@ fn slow_clients_do_not_block_others() {
     let slow: Vec<TcpStream> = (0..MAX_CONNECTIONS + 8)
         .map(|number| {
             let mut stream = server.connect();
-            // Some say nothing, some start and never finish.
+            // Some send nothing, some start and never finish.
             if number % 2 == 0 {
                 let _ = stream.write_all(b"GET /a.reel HTTP/1.1\r\nX: ");
             }

@@ -1,4 +1,4 @@
-//! Pages of other origins that may read what is served (the Fetch standard, *CORS protocol*).
+//! Pages of other origins that may read the served files (the Fetch standard, *CORS protocol*).
 
 use std::str::FromStr;
 

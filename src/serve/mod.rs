@@ -2,14 +2,14 @@
 //!
 //! One file by HTTP, for those who read ranges of it: `pointreel serve walk.reel`.
 //!
-//! **How it works.** A thread a connection, a few at once; requests are parsed by `httparse`. `GET` and `HEAD` of the
-//! file's name, whole or a range (RFC 9110 §14), are answered, and nothing else: there are no paths to other files.
+//! **How it works.** One thread per connection, a few at once; requests are parsed by `httparse`. `GET` and `HEAD` of
+//! the file's name, whole or a range (RFC 9110 §14), are answered, and nothing else: there are no paths to other files.
 //! Connections stay open, and requests that follow each other without waiting are answered in their order. Any server
 //! of plain files does the same; this one needs no installation.
 //!
 //! **Bounds.** A request has 8 KiB of head at most and no body; it has to come, and its answer has to be taken, within
-//! [`ServerDeadlines`]. Of more connections than `MAX_CONNECTIONS` the idle and the slow give way (`places.rs`); where
-//! descriptors are used up the server pauses (`accept.rs`).
+//! [`ServerDeadlines`]. Beyond `MAX_CONNECTIONS`, idle and slow connections give way (`places.rs`); if descriptors are
+//! used up, the server pauses (`accept.rs`).
 
 mod accept;
 mod answer;
@@ -176,7 +176,7 @@ impl Shared {
         Ok(())
     }
 
-    /// Answers one request; says whether the connection stays open.
+    /// Answers one request; returns true if the connection stays open.
     fn answer(&self, stream: &TcpStream, request: &Request, place: &Place) -> io::Result<bool> {
         let mut writer = SteadyWriter::new(stream, self.options.deadlines.answer);
         let (mut file, metadata) = match self.open() {
@@ -236,7 +236,7 @@ fn with_metadata(file: File) -> io::Result<(File, Metadata)> {
     Ok((file, metadata))
 }
 
-/// The next request of a connection, of which `read` has what was read beyond the last one; `None` at its end.
+/// The next request of a connection, where `read` has the bytes read beyond the last one; `None` at its end.
 fn next_request(
     mut stream: &TcpStream,
     read: &mut Vec<u8>,

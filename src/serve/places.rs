@@ -1,9 +1,9 @@
-//! The places of connections: when all are taken, who holds one for nothing gives way.
+//! The places of connections: when all are taken, an unused one gives way.
 //!
-//! **How it works.** A connection waits for a request or is answered. Of those that wait, the one that has waited
-//! longest is hung up on when another one comes; else the one that has taken nothing of its answer for longest, if that
-//! is longer than [`ServerDeadlines::stuck`](crate::deadlines::ServerDeadlines::stuck); else the slowest of those that
-//! take their answer more slowly than anybody who wants it. So any number of slow clients keep nobody else out.
+//! **How it works.** A connection waits for a request or is answered. Of those that wait, the longest-waiting one is
+//! closed when another one comes; else the one that has taken nothing of its answer for longest, if that is longer than
+//! [`ServerDeadlines::stuck`](crate::deadlines::ServerDeadlines::stuck); else the slowest of those below the minimum
+//! transfer rate. So any number of slow clients cannot keep others out.
 
 use crate::locks::lock;
 use std::net::{Shutdown, TcpStream};
@@ -38,7 +38,7 @@ struct Held {
     /// To hang up.
     stream: Arc<TcpStream>,
     since: Instant,
-    /// When it took something last.
+    /// Time when it last took data.
     last: Instant,
     /// Bytes of the answer that were sent since then; `None` while it waits for a request.
     sent_bytes: Option<u64>,
@@ -54,7 +54,7 @@ pub(super) struct Place {
 }
 
 impl Places {
-    /// `max` of them, where those give way that take nothing for longer than `stuck`.
+    /// `max` of them; those that take nothing for longer than `stuck` give way.
     pub(super) fn new(max: usize, stuck: Duration) -> Self {
         Self {
             max,
@@ -94,7 +94,7 @@ impl Places {
         lock(&self.taken).places.len()
     }
 
-    /// Hangs up on one who holds a place for nothing, if anybody does: descriptors are used up.
+    /// Hangs up on an unused connection, if there is one: descriptors are used up.
     pub(super) fn free_one(&self) {
         lock(&self.taken).give_way(self.stuck);
     }
@@ -155,7 +155,7 @@ impl Place {
         });
     }
 
-    /// So many bytes more were sent.
+    /// Records this many more bytes as sent.
     pub(super) fn sent(&self, bytes: usize) {
         self.with(|held| {
             held.last = Instant::now();

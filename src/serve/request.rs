@@ -1,9 +1,9 @@
 //! Requests.
 //!
 //! **Strictness.** Servers that read the same bytes differently let one request be hidden in another (*smuggling*, RFC
-//! 9112 §11.2). So what the standard lets a server guess at is refused: lines that end in a bare line feed, lines that
-//! are folded, spaces before a colon, two lengths, a length that is more than digits, a length with a transfer coding.
-//! Requests have no bodies here, and after one that is refused the connection is closed.
+//! 9112 §11.2). So everything that the standard lets a server guess is refused: lines that end in a bare line feed,
+//! lines that are folded, spaces before a colon, two lengths, a length that is not only digits, a length with a
+//! transfer coding. Requests have no bodies here, and after one that is refused the connection is closed.
 
 /// Headers of a request.
 const MAX_HEADERS: usize = 64;
@@ -15,7 +15,7 @@ pub(super) struct Request {
     pub(super) target: String,
     pub(super) range: Option<String>,
     pub(super) if_range: Option<String>,
-    /// The origin of the page that asks.
+    /// The origin of the requesting page.
     pub(super) origin: Option<String>,
     pub(super) keeps_open: bool,
 }
@@ -26,11 +26,11 @@ pub(super) enum Method {
     Head,
     Options,
     Other,
-    /// It is no request.
+    /// It is not a request.
     Bad,
 }
 
-/// Bytes that are no request, or one that could be read in two ways.
+/// Bytes that are not a request, or an ambiguous one.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct NoRequest;
 
@@ -97,7 +97,7 @@ fn has_bare_line_end(head: &[u8]) -> bool {
     head.iter().enumerate().any(|(at, &byte)| is_bare(at, byte))
 }
 
-/// The path of a target: of `http://host/path` what is behind the host (RFC 9112 §3.2.2).
+/// The path of a target: of `http://host/path` the part after the host (RFC 9112 §3.2.2).
 fn path_of(target: &str) -> &str {
     let scheme = target.get(..7).filter(|scheme| scheme.eq_ignore_ascii_case("http://"));
     let Some(rest) = scheme.map(|scheme| &target[scheme.len()..]) else {
@@ -118,7 +118,7 @@ impl Fields<'_> {
         self.all(name).count()
     }
 
-    /// The value of a field that is there once: of several nobody knows which one is meant.
+    /// The value of a field that occurs once: several are ambiguous.
     fn one(&self, name: &str) -> Option<String> {
         let mut all = self.all(name);
         let value = all.next().filter(|_| all.next().is_none())?;
@@ -131,7 +131,7 @@ impl Fields<'_> {
         tokens.any(|found| found.trim_ascii().eq_ignore_ascii_case(token.as_bytes()))
     }
 
-    /// Refuses a body, and what might be one.
+    /// Refuses a body, and anything that might be one.
     fn check(&self) -> Result<(), NoRequest> {
         let lengths: Vec<&[u8]> = self.all("content-length").collect();
         let has_body = match lengths.as_slice() {

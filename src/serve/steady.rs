@@ -5,10 +5,10 @@ use std::io::{self, ErrorKind, Write as _};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-/// Bytes that the system is handed at a time: progress is seen in as many.
+/// Bytes handed to the system at a time: the granularity of progress.
 const PIECE_BYTES: usize = 1 << 16;
 
-/// The way to a client, for one answer or message.
+/// The output to a client, for one answer or message.
 pub(super) struct SteadyWriter<'a> {
     stream: &'a TcpStream,
     min: MinRate,
@@ -17,7 +17,7 @@ pub(super) struct SteadyWriter<'a> {
 }
 
 impl<'a> SteadyWriter<'a> {
-    /// The least rate counts from now on.
+    /// Creates the output; the minimum rate counts from now on.
     pub(super) fn new(stream: &'a TcpStream, min: MinRate) -> Self {
         Self {
             stream,

@@ -1,5 +1,5 @@
-//! The frames of another source as a sequence file with some options would give them back: what is lost can be seen
-//! before a file is written.
+//! The frames of another source as a sequence file with some options would return them: losses can be seen before a
+//! file is written.
 
 use super::{About, Capabilities, DecodeFailure, DecodedFrame, Decoder, DepthImages, FrameEntry, Source};
 use crate::progress::Progress;
@@ -9,14 +9,14 @@ use crate::wire::RawImages;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Frames of another source, each encoded and decoded by itself whenever it is asked for.
+/// Frames of another source, each encoded and decoded by itself on every request.
 pub struct AsReel {
     source: Arc<dyn Source>,
     options: ReelOptions,
 }
 
 impl AsReel {
-    /// The frames of `source`, kept with these options.
+    /// The frames of `source`, stored with these options.
     pub fn new(source: Arc<dyn Source>, options: ReelOptions) -> Self {
         Self { source, options }
     }
@@ -100,7 +100,8 @@ impl Source for AsReel {
     }
 }
 
-/// Frames that are no longer images: a file holds their points, and who took them can still be asked here.
+/// Frames that are no longer images: a file holds their points, and the cameras that took them are still available
+/// here.
 impl DepthImages for AsReel {
     fn sensor(&self, index: usize) -> Option<Sensor> {
         self.source.sensor(index)

@@ -9,7 +9,7 @@ use std::sync::Arc;
 /// The built-in sequence, where an input is expected.
 pub const DEMO_INPUT: &str = "demo:";
 
-/// Nothing may be behind the colon.
+/// Nothing may follow the colon.
 pub(super) const DEMO: Made = Made {
     has_word: |word| word == "demo",
     said: || DEMO_INPUT.to_owned(),

@@ -59,7 +59,7 @@ impl FrameEntry {
         Self::new(path.into(), FrameBytes::File(Part::Whole))
     }
 
-    /// The file at `path`, of which it is not known whether it holds several frames.
+    /// The file at `path`, which may hold several frames.
     pub(super) fn unlisted(path: impl Into<PathBuf>) -> Self {
         Self::new(path.into(), FrameBytes::File(Part::Sole))
     }
@@ -79,7 +79,7 @@ impl FrameEntry {
         frame
     }
 
-    /// Bytes in the program, under a name whose extension tells their format where their first bytes do not.
+    /// Bytes in the program, under a name whose extension identifies their format if their first bytes do not.
     pub fn embedded(name: impl Into<PathBuf>, bytes: &'static [u8]) -> Self {
         Self::new(name.into(), FrameBytes::Embedded(bytes))
     }

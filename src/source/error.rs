@@ -32,7 +32,7 @@ fn listed(choices: &[OpeningChoice]) -> String {
     lines
 }
 
-/// Why a sequence cannot be opened.
+/// Reasons why a sequence cannot be opened.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SequenceError {
@@ -90,7 +90,7 @@ pub enum SequenceError {
     ForeignFolder {
         /// The folder as given.
         path: PathBuf,
-        /// Its kinds of files, with the way to files that are read.
+        /// Its kinds of files, with the way to readable files.
         found: String,
     },
     /// A pattern without a match.
@@ -115,7 +115,7 @@ pub enum SequenceError {
         /// Hint listing the available choices.
         hint: String,
     },
-    /// Frames are to be made, but of what is not known.
+    /// Frames are to be generated, but their kind is unknown.
     #[error("{input} is nothing that can be made: name {known}")]
     NotGenerated {
         /// The input as given.

@@ -67,7 +67,7 @@ impl Example {
         }
     }
 
-    /// Whose it is.
+    /// The credit line.
     pub fn credit(self) -> &'static str {
         match self {
             Self::Lidar => "Next to Autzen Stadium, from laspy (BSD-2-Clause, © Grant Brown and others)",
@@ -78,7 +78,7 @@ impl Example {
         }
     }
 
-    /// A small picture of it, a PNG.
+    /// A small image of it, a PNG.
     pub fn picture(self) -> &'static [u8] {
         match self {
             Self::Lidar => asset!("lidar.png"),

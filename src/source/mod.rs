@@ -1,9 +1,9 @@
 //! Frame sources: files and recordings, depth images, posed images, sequence files, shapes with a formula, the demo,
 //! streams that cannot be rewound.
 //!
-//! A [`Source`] knows which frames there are and what can be stated of each without reading it; a [`Decoder`], one for
-//! each thread that reads, makes point clouds of them. A sequence gives the frames of any source an origin, a pace and
-//! a place in memory.
+//! A [`Source`] knows its frames and the facts about each that need no reading; a [`Decoder`], one for each thread that
+//! reads, makes point clouds of them. A sequence gives the frames of any source an origin, a pace and a place in
+//! memory.
 //!
 //! To add a source: a type that implements [`Source`] and its [`Decoder`], and the place where a person names it: a
 //! file format in [`crate::io`], or a row of the table here with its scheme, its word or how its files are recognised.

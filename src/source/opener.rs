@@ -1,4 +1,4 @@
-//! Rows of the table of what can be opened ([`super::open`]).
+//! Rows of the table of supported inputs ([`super::open`]).
 
 use super::{OpenOptions, SequenceError, Source};
 use crate::progress::Progress;
@@ -34,11 +34,11 @@ impl Asked<'_> {
     }
 }
 
-/// A way to open inputs.
+/// A method of opening inputs.
 pub(super) enum Opener {
-    /// A word and what is behind its colon, of which frames are made.
+    /// A word and the text after its colon, from which frames are generated.
     Made(&'static Made),
-    /// One input that tells what it is.
+    /// One input that identifies itself.
     One(&'static One),
     /// Inputs that have to be looked into: `None` where they are of another kind.
     Any(fn(Asked<'_>) -> IfOpened),
@@ -50,7 +50,7 @@ pub(super) struct Made {
     pub(super) has_word: fn(&str) -> bool,
     /// Human-readable names of such inputs, as one item of a list.
     pub(super) said: fn() -> String,
-    /// The frames by the word and what is behind the colon; `None` where that is wrong.
+    /// The frames by the word and the text after the colon; `None` if that is invalid.
     pub(super) make: fn(&str, &str) -> Option<Arc<dyn Source>>,
 }
 

@@ -17,7 +17,7 @@ pub struct OpenOptions {
     pub read: ReadOptions,
     /// Handling of points that stand for no measurement.
     pub no_data: NoData,
-    /// The least range of colours whose type does not say it; the values decide if `None`.
+    /// The minimum range of colours whose type does not determine it; the values decide if `None`.
     pub color_depth: Option<ColorDepth>,
     /// Frame rate in frames per second, overriding the timestamps.
     pub fps: Option<f64>,
@@ -35,7 +35,7 @@ pub struct OpenOptions {
     pub dense: bool,
     /// Length of a live stream's history that can be rewound, in seconds; the default length if `None`.
     pub live_seconds: Option<f64>,
-    /// True if a live stream is asked for the visible points (surfels), with normals and radii, instead of whole
+    /// True if a live stream is requested for the visible points (surfels), with normals and radii, instead of whole
     /// frames.
     pub live_surfels: bool,
     /// Stereo matcher for pairs of images.

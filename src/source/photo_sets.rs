@@ -20,7 +20,7 @@ use std::sync::Arc;
 /// Entries of a folder that are looked at.
 const MAX_ENTRIES: usize = 10_000;
 
-/// Sub-folders that are looked into: a folder of more is no data set of a few scenes.
+/// Maximum number of sub-folders examined: a folder with more is not a data set of a few scenes.
 const MAX_FOLDERS: usize = 64;
 
 /// Sub-folders that a message names.
@@ -51,7 +51,7 @@ fn open(inputs: &[PathBuf], options: &OpenOptions) -> Result<Option<Arc<dyn Sour
     ))
 }
 
-/// [`open`] where the inputs are no recording whose depth images count more.
+/// [`open`] if the inputs are not a recording, whose depth images count more.
 pub(super) fn open_unless_depth(asked: Asked<'_>) -> Result<Option<Arc<dyn Source>>, SequenceError> {
     if rgbd::comes_before_photos(asked.inputs, asked.options) {
         return Ok(None);
@@ -69,7 +69,7 @@ pub(super) fn open_one_below(asked: Asked<'_>) -> Result<Option<Arc<dyn Source>>
         Ok(below) => return Ok(below),
         Err(error) => error,
     };
-    // Images in a folder of a cloud recording are no reason to refuse it.
+    // Images in a folder of a cloud recording are not a reason to refuse it.
     match Files::open(asked.inputs, asked.options, asked.progress) {
         // Lists of numbers next to images are not a cloud recording.
         Ok(files) if !files.are_texts() => Ok(Some(Arc::new(files))),
@@ -78,8 +78,7 @@ pub(super) fn open_one_below(asked: Asked<'_>) -> Result<Option<Arc<dyn Source>>
     }
 }
 
-/// Opens the one sub-folder of `input` that can be opened; `None` if `input` has frames of its own, or nothing is known
-/// of it.
+/// Opens the one sub-folder of `input` that can be opened; `None` if `input` has frames of its own, or it is unknown.
 ///
 /// # Errors
 /// If several could be opened, if the one cannot, or if the folder holds images that are not read.

@@ -126,8 +126,8 @@ fn chosen_dense(dense: &Path, set: &ViewSet, sparse: &str) -> Assumption {
     Assumption::new(Subject::Frames, dense.display().to_string(), why, Evidence::Convention).with_option(None)
 }
 
-/// Returns the dense stereo settings. Large image sets are halved once more if nobody asked for dense points: 47 images
-/// of 640×480 would take minutes.
+/// Returns the dense stereo settings. Large image sets are halved once more if dense points were not requested: 47
+/// images of 640×480 would take minutes.
 fn dense_of(set: &ViewSet, options: &OpenOptions) -> Dense {
     let usual = Dense {
         matcher: options.matcher.clone(),

@@ -23,9 +23,9 @@ pub struct Reel {
     shared: Arc<Shared>,
     inputs: [PathBuf; 1],
     notes: Vec<String>,
-    /// Held by whoever looks whether there is more.
+    /// Held while checking for more frames.
     looking: Mutex<()>,
-    /// It is in the program.
+    /// True if it is embedded in the program.
     is_embedded: bool,
 }
 
@@ -36,7 +36,7 @@ struct Shared {
     max_memory_bytes: u64,
 }
 
-/// The file as it was when somebody looked at it last.
+/// The file at the last check.
 #[derive(Debug)]
 struct Opened {
     file: Arc<ReelFile>,

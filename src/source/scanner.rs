@@ -2,7 +2,7 @@
 //!
 //! **How it works.** A thread receives datagrams and detects the start of each revolution, which takes microseconds per
 //! packet, so that nothing queues beyond the socket buffer of the system. Completed revolutions go to a ring buffer, as
-//! their packets; points are computed from them by whoever wants the frame. The ring has the newest [`RING_LENGTH`]
+//! their packets; points are computed from them when the frame is requested. The ring has the newest [`RING_LENGTH`]
 //! revolutions and no more than [`RING_BYTES`] of packets: older ones are gone for good.
 //!
 //! A sensor that sends nothing for [`ClientDeadlines::sensor_silence`] loses its slot to the next one that sends;
@@ -29,19 +29,19 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// Before the address of what is listened to.
+/// Prefix of the address to listen on.
 const SCHEME: Name = Name::Scheme("udp://");
 
-/// The newest so many turns can be decoded: two seconds of the fastest sensors, five of most.
+/// Number of newest revolutions that can be decoded: two seconds of the fastest sensors, five of most.
 const RING_LENGTH: usize = 48;
 
-/// Packets of as many turns are seldom more: 20 turns a second of the largest sensor are 10 MB each.
+/// Packets of that many revolutions are seldom more: at 20 revolutions per second, the largest sensor has 10 MB each.
 const RING_BYTES: usize = 512 << 20;
 
 /// A datagram has no more.
 const MAX_DATAGRAM_BYTES: usize = 1 << 16;
 
-/// Between looks at whether anybody listens still.
+/// Interval of checks for remaining listeners.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// LiDAR sensor on the network.
@@ -49,7 +49,7 @@ const LOOK: Duration = Duration::from_millis(50);
 pub struct LiveScanner {
     input: PathBuf,
     ring: Arc<Ring>,
-    /// Frames that were told of.
+    /// Frames that were reported.
     told: Mutex<usize>,
     options: ReadOptions,
     /// Listens as long as the source is there.
@@ -71,7 +71,7 @@ struct Turns {
     byte_size: usize,
     /// Turns that have come.
     count: usize,
-    /// Why some packets cannot be read, or why there will be no more.
+    /// The reason why some packets cannot be read, or why there will be no more.
     problem: Option<String>,
     /// Datagrams that have come, and the last of them.
     datagrams: u64,
@@ -101,7 +101,7 @@ impl LiveScanner {
         Self::open_within(input, options, progress, ClientDeadlines::default())
     }
 
-    /// [`LiveScanner::open`] where sensors are waited for as long as `deadlines` say.
+    /// [`LiveScanner::open`] with these `deadlines` for sensors.
     ///
     /// # Errors
     /// As of [`LiveScanner::open`].
@@ -188,7 +188,7 @@ fn parse(input: &Path) -> Result<(SocketAddr, Option<PathBuf>), String> {
 }
 
 impl Ring {
-    /// Receives packets until nobody wants them.
+    /// Receives packets until they are no longer wanted.
     fn listen(&self, socket: &UdpSocket, mut found: LiveTurns) {
         let mut buffer = vec![0; MAX_DATAGRAM_BYTES];
         // The time of day at the start: clock adjustments in the meantime do not change the order.
@@ -271,7 +271,7 @@ impl Ring {
     }
 }
 
-/// Errors after which packets come again: nothing came, or an answer to nobody.
+/// Errors after which packets come again: nothing came, or an answer without a recipient.
 fn is_passing(error: &io::Error) -> bool {
     matches!(
         error.kind(),
@@ -282,7 +282,7 @@ fn is_passing(error: &io::Error) -> bool {
 impl Drop for LiveScanner {
     fn drop(&mut self) {
         self.ring.is_closed.store(true, Ordering::Relaxed);
-        // Frees the port for whatever opens it next.
+        // Frees the port for the next one to open it.
         if let Some(thread) = self.thread.take()
             && thread.join().is_err()
         {

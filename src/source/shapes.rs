@@ -1,4 +1,4 @@
-//! Surfaces with a formula: sampled as a scan is, and known as no scan is, so that errors can be told.
+//! Surfaces with a formula: sampled like a scan, but known exactly, so that errors can be measured.
 //!
 //! Points are spread evenly at random over the area, as scans are nearly; each shape has its seed, so that every
 //! machine measures the same points. Noise moves a point by a normal deviate along each axis.
@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// Points of a shape when their number is not given.
 const USUAL_POINTS: usize = 100_000;
 
-/// Most points that a shape can be asked for.
+/// Maximum number of points of a shape.
 const MAX_POINTS: usize = 50_000_000;
 
 /// One frame of a shape: `torus:` or `torus:20000`.
@@ -30,7 +30,7 @@ pub(super) const SHAPES: Made = Made {
     },
 };
 
-/// A shape and the number of its points, by what is before and behind a colon.
+/// A shape and the number of its points, by the text before and after a colon.
 pub(super) fn counted(name: &str, count: &str) -> Option<(Shape, usize)> {
     let points = match count {
         "" => USUAL_POINTS,
@@ -44,15 +44,15 @@ pub(super) fn counted(name: &str, count: &str) -> Option<(Shape, usize)> {
 pub enum Shape {
     /// Equally curved everywhere; radius 1.
     Sphere,
-    /// Curved both ways; radii 1 and 0.4.
+    /// Curved in both directions; radii 1 and 0.4.
     Torus,
     /// Flat, with edges at which no normal is right for all neighbours; from −1 to 1.
     Cube,
-    /// z = x² − y² over −1 to 1: hollow both ways, and with a rim.
+    /// z = x² − y² over −1 to 1: hollow in both directions, and with an edge.
     Saddle,
 }
 
-/// One point in so many is an outlier, where there are any.
+/// One point in this many is an outlier, if there are any.
 pub(crate) const OUTLIERS: usize = 20;
 
 /// Standard deviation of an outlier along each axis, as a part of the diameter: about twice the distance between points
@@ -109,7 +109,7 @@ impl Shape {
         self.sample_of_scan(count, noise, 0)
     }
 
-    /// [`Shape::sample`] of one scan of several, each of which has other points.
+    /// [`Shape::sample`] of one scan of several, each with other points.
     fn sample_of_scan(self, count: usize, noise: f32, scan: u32) -> Sampled {
         let mut random = Random((u64::from(scan) << 32) + 0x5eed + self as u64);
         let mut sampled = Sampled::default();
@@ -136,7 +136,7 @@ impl Shape {
         }
     }
 
-    /// One point with its normal, or none where the surface has less area than its parameters say.
+    /// One point with its normal, or none where the surface has less area than by its parameters.
     fn draw(self, random: &mut Random) -> Option<(Vec3, Vec3)> {
         match self {
             Self::Sphere => {

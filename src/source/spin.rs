@@ -1,6 +1,6 @@
 //! A turning shape without an end, which is live: frames come by the clock, and old ones are gone for good.
 //!
-//! It stands for sensors where there is none: whoever shows, measures or records a stream can be tried on it.
+//! It stands in for a sensor: display, measurement and recording of streams can be tried on it.
 
 use super::opener::Made;
 use super::shapes::counted;
@@ -38,10 +38,10 @@ const RATE: f64 = 24.0;
 /// Frames of one turn.
 const FRAMES_PER_TURN: usize = 96;
 
-/// The newest so many frames can be decoded: two seconds.
+/// Number of newest frames that can be decoded: two seconds.
 const RING_LENGTH: usize = 48;
 
-/// `spin:torus:100000`: a shape that turns once in four seconds, of so many points.
+/// `spin:torus:100000`: a shape that turns once in four seconds, of this many points.
 #[derive(Debug)]
 pub struct Spin {
     shape: Shape,
@@ -80,7 +80,7 @@ impl Spin {
         }
     }
 
-    /// When a frame comes, since the first.
+    /// Time at which a frame comes, since the first.
     fn time_of(index: usize) -> Duration {
         Duration::from_secs_f64(index as f64 / RATE)
     }

@@ -29,13 +29,13 @@ pub(super) const STANDARD_INPUT: One = One {
     sidecar_others: Some(|_| failed("it is a sequence of its own: open it without other inputs".to_owned())),
 };
 
-/// Folders that are tried before the system is believed to have no place for one.
+/// Number of folder names tried before the system is taken to have no space for one.
 const MAX_FOLDERS: u32 = 100;
 
 /// Bytes that are read at a time.
 const BLOCK: usize = 1 << 16;
 
-/// Data received from standard input, kept as long as the program runs.
+/// Data received from standard input, stored as long as the program runs.
 static RECEIVED: Mutex<Option<Received>> = Mutex::new(None);
 
 #[derive(Debug)]
@@ -124,14 +124,14 @@ fn receive(mut from: impl Read, progress: &Progress) -> Result<Received, Sequenc
     })
 }
 
-/// A name with an extension only where bytes alone do not tell the format: rows of text.
+/// A name with an extension only if bytes alone do not identify the format: rows of text.
 fn name_of(head: &[u8]) -> &'static str {
     const NAME: &str = "standard-input";
     let is_binary = head.contains(&0) || Format::detect(Path::new(NAME), head).is_some();
     if is_binary { NAME } else { "standard-input.xyz" }
 }
 
-/// A new folder that nobody else may look into.
+/// A new folder accessible to this user only.
 fn new_folder() -> io::Result<Temporary> {
     let mut builder = DirBuilder::new();
     #[cfg(unix)]

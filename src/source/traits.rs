@@ -1,10 +1,10 @@
-//! Sources of frames: what each of them has, the facts about it, and its capabilities.
+//! Sources of frames: their frames, the facts about them, and their capabilities.
 //!
-//! How it works: a source answers two questions, [`Source::about`] for what is known without reading a frame and
-//! [`Source::capabilities`] for what else it can do, each a struct with a field per answer. Both methods have no
-//! default. A source by itself names what it has and ends with `..Default::default()`. A source that wraps another one
-//! names every field, or hands on the whole struct in one expression: a new field is then an error of the compiler in
-//! every wrapper, and nothing is lost unnoticed. Whoever uses a source asks the methods of `dyn Source`.
+//! How it works: a source answers two questions, [`Source::about`] for the facts known without reading a frame and
+//! [`Source::capabilities`] for its further abilities, each a struct with a field per answer. Both methods have no
+//! default. A source by itself names its own fields and ends with `..Default::default()`. A source that wraps another
+//! one names every field, or hands on the whole struct in one expression: a new field is then an error of the compiler
+//! in every wrapper, and nothing is lost unnoticed. Users of a source call the methods of `dyn Source`.
 
 use super::SequenceError;
 use super::entry::FrameEntry;
@@ -24,13 +24,13 @@ use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
-/// Why a decoder failed; its message names the file, the place in it and what was expected.
+/// Reason why a decoder failed; its message names the file, the position in it and the expected data.
 pub type DecodeFailure = Box<dyn std::error::Error + Send + Sync>;
 
 /// Some points of a frame, and how many it has.
 pub type FrameSample = (DecodedFrame, usize);
 
-/// A frame as its decoder gives it. What the cloud has already (order, normals, radii, ellipses) is not worked out
+/// A frame as its decoder gives it. Existing attributes of the cloud (order, normals, radii, ellipses) are not computed
 /// again.
 #[derive(Debug, Clone)]
 pub struct DecodedFrame {
@@ -45,7 +45,7 @@ pub struct DecodedFrame {
 pub struct DecodedLevel {
     /// Points of the whole frame.
     pub points_in_frame: usize,
-    /// Points of the next finer level; `usize::MAX` where there is none.
+    /// Points of the next finer level; `usize::MAX` if there is none.
     pub points_of_finer: usize,
 }
 
@@ -76,12 +76,12 @@ pub trait Source: Send + Sync {
     fn capabilities(&self) -> Capabilities<'_>;
 }
 
-/// Decodes frames of one source. It may keep what several frames share, such as an open file or the frame before, but
-/// gives the same answer whatever it decoded before.
+/// Decodes frames of one source. It may cache data shared by frames, such as an open file or the previous frame, but
+/// its result does not depend on earlier decoding.
 pub trait Decoder: Send {
-    /// Frame `index`, which `entry` tells of, in file coordinates. `max_points` are wanted: a decoder of levels gives
-    /// the finest that has no more, any other decoder all points, and the caller thins them out. Says how far it is;
-    /// what it returns after it was cancelled is not looked at.
+    /// Frame `index`, described by `entry`, in file coordinates. `max_points` are wanted: a decoder of levels gives the
+    /// finest that has no more, any other decoder all points, and the caller subsamples them. Reports progress; its
+    /// result after cancellation is ignored.
     fn decode(
         &mut self,
         index: usize,
@@ -112,11 +112,11 @@ where
 pub struct About<'a> {
     /// Input paths that were opened; empty for inputs that are not files.
     pub inputs: &'a [PathBuf],
-    /// Frames per second, if the source says it and frames have no time stamps.
+    /// Frames per second, if the source states it and frames have no time stamps.
     pub fps: Option<f64>,
     /// The sequence file that was opened, as it is now.
     pub reel: Option<Arc<ReelFile>>,
-    /// The recordings among what was opened.
+    /// The recordings among the inputs.
     pub recordings: &'a [Recording],
     /// Assumptions about the inputs as a whole: which files are frames, in which order. Those about one frame are in
     /// [`RawCloud::assumptions`](crate::cloud::RawCloud::assumptions).
@@ -145,7 +145,7 @@ pub struct Capabilities<'a> {
     pub depth_images: Option<&'a dyn DepthImages>,
     /// Calibrated images of its frames.
     pub posed_images: Option<&'a dyn HasPosedImages>,
-    /// Files of images next to those of the entries; without it those of [`Capabilities::posed_images`] are all.
+    /// Image files next to the entries' files; without it, [`Capabilities::posed_images`] lists them all.
     pub image_files: Option<&'a dyn ImageFiles>,
 }
 
@@ -189,7 +189,7 @@ pub trait Meshes: Send + Sync {
     fn mesh_decoder(&self) -> Box<dyn Decoder>;
 }
 
-/// Frames of which some points can be read without the others.
+/// Frames with some points that can be read without the others.
 pub trait Samples: Send + Sync {
     /// At most `max_points` of a frame that has at least `min_points`, without reading the others, and how many it
     /// has; `None` where that cannot be done.
@@ -205,11 +205,11 @@ pub trait Growth: Send + Sync {
     /// shown on opening.
     fn is_live(&self) -> bool;
 
-    /// Takes frames that came behind the last one; says how many.
+    /// Takes frames that came after the last one; returns their number.
     fn look_again(&self) -> Result<usize, SequenceError>;
 
-    /// Frames whose files changed since they were found, after the first `since` of these changes: what was read of
-    /// them is outdated.
+    /// Frames whose files changed since they were found, after the first `since` of these changes: data read of them is
+    /// outdated.
     fn changed_since(&self, _since: usize) -> Vec<usize> {
         Vec::new()
     }
@@ -224,8 +224,8 @@ pub trait Growth: Send + Sync {
 
 /// Frames that are depth images, or made of them.
 pub trait DepthImages: Send + Sync {
-    /// The cameras that took frame `index`, and where they were; `None` of frames that no camera took, as far as
-    /// anybody knows.
+    /// The cameras that took frame `index`, and where they were; `None` of frames that no camera took, as far as is
+    /// known.
     fn sensor(&self, index: usize) -> Option<Sensor>;
 
     /// Returns the raw images that the cameras recorded of frame `index`, before any filter; `None` for frames that are
@@ -246,7 +246,7 @@ pub trait HasPosedImages: Send + Sync {
     fn posed_images(&self, index: usize) -> Option<Arc<ViewSet>>;
 }
 
-/// Images in files next to those of the entries.
+/// Images in files next to the entries' files.
 pub trait ImageFiles: Send + Sync {
     /// Returns the image files: colours of depth images, posed images.
     fn image_files(&self) -> Vec<PathBuf>;

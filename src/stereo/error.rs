@@ -35,7 +35,7 @@ pub enum StereoError {
         /// View index, from 0.
         view: usize,
     },
-    /// A pose that is none.
+    /// An invalid pose.
     #[error("the pose of view {view} is not a rotation with a finite position: expected camera_from_world, no scale")]
     NoPose {
         /// View index, from 0.
@@ -47,14 +47,14 @@ pub enum StereoError {
     /// Views that look along the line between them, or away from each other.
     #[error("the views cannot be rectified: {0}; choose a pair that stands side by side and looks the same way")]
     NotSideBySide(&'static str),
-    /// A range of disparities that is none.
+    /// An invalid range of disparities.
     #[error("disparities from {min} to {max} px: expected the smaller first and at most {most} between them")]
     NoRange {
         /// Smallest disparity.
         min: i32,
         /// Largest disparity.
         max: i32,
-        /// Most disparities that are tried.
+        /// Maximum number of disparities tried.
         most: usize,
     },
     /// Images that show nothing of the same.
@@ -72,7 +72,7 @@ pub enum StereoError {
         far: f64,
         /// Number of planes.
         planes: usize,
-        /// Most planes that are tried.
+        /// Maximum number of planes tried.
         most: usize,
     },
     /// Penalties that bytes cannot hold.
@@ -87,7 +87,7 @@ pub enum StereoError {
         /// Maximum sum of P1 and P2.
         most: u8,
     },
-    /// Memory beyond what stereo allows itself.
+    /// Memory beyond the limit of stereo.
     #[error(
         "stereo of these images takes {needed_mib} MiB: expected at most {max_mib}; scale the images down or narrow \
          the range"
@@ -101,7 +101,7 @@ pub enum StereoError {
     /// Fewer views than a plane sweep has to have.
     #[error("{0} views: expected at least 2")]
     TooFewViews(usize),
-    /// Depth maps that are not as many as views.
+    /// Numbers of depth maps and views that differ.
     #[error("{maps} depth maps of {views} views: expected one per view")]
     CountsDiffer {
         /// Number of depth maps.
@@ -109,7 +109,7 @@ pub enum StereoError {
         /// Number of views.
         views: usize,
     },
-    /// Somebody asked to stop.
+    /// Cancelled by the caller.
     #[error("depths were not made to the end: it was cancelled")]
     Cancelled,
 }

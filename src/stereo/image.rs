@@ -1,4 +1,4 @@
-//! Grey images: what is matched.
+//! Grey images: the input of matching.
 
 use crate::rgbd::ColorImage;
 
@@ -11,7 +11,7 @@ pub struct GrayImage {
 }
 
 impl GrayImage {
-    /// The image of these brightnesses; `None` where they are not as many as it has pixels, or none.
+    /// The image of these brightnesses; `None` unless there is one per pixel, and at least one.
     pub fn new([width, height]: [u32; 2], pixels: Vec<u8>) -> Option<Self> {
         let count = u64::from(width) * u64::from(height);
         (count > 0 && count == pixels.len() as u64).then_some(Self {
@@ -73,7 +73,7 @@ impl GrayImage {
         &mut self.pixels
     }
 
-    /// The brightness between pixels, mixed from the four around. Beyond the border it is that of the border.
+    /// The brightness between pixels, mixed from the four around. Beyond the border it is the border's.
     #[inline]
     pub(in crate::stereo) fn bilinear(&self, x: f32, y: f32) -> u8 {
         let place = |at: f32, count: usize| {

@@ -5,7 +5,7 @@
 //! of the census, summed along eight paths or in squares ([`Gathering`]), the cheapest disparity wins where left and
 //! right agree and no other is as good ([`Matching::disparities`]), and one matrix-vector product turns it into a
 //! position ([`Places`]). *Many views* ([`PlaneSweep`]): planes are swept through the space before one view, costs and
-//! winners are the same; depths that three views agree on are kept ([`consistent`]). In both cases depths become
+//! winners are the same; depths that three views agree on are retained ([`consistent`]). In both cases depths become
 //! coloured points ([`cloud()`]).
 //!
 //! All images of a set together become points by [`Dense`], faster by [`Pairwise`].

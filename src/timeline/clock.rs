@@ -27,8 +27,8 @@ pub const MAX_SPEED: f64 = 10.0;
 /// Frame rates the clock takes.
 const FPS_RANGE: (f64, f64) = (0.1, 1000.0);
 
-/// A step counts as due this fraction of a frame early: more than what rounding of times to nanoseconds can be off, so
-/// that asking at [`Clock::next_deadline`] always moves on.
+/// A step counts as due this fraction of a frame early: more than the rounding error of times in nanoseconds, so that
+/// asking at [`Clock::next_deadline`] always moves on.
 const TOLERANCE_FRAMES: f64 = 1e-4;
 
 /// Playback clock: position and pace of a playhead. Times are durations since any fixed instant, the same for all
@@ -170,7 +170,7 @@ impl Clock {
         let turned = speed.is_sign_negative() != self.speed.is_sign_negative();
         self.speed = speed.abs().clamp(MIN_SPEED, MAX_SPEED).copysign(speed);
         if turned {
-            // The elapsed part of the frame is what remains of it in the opposite direction.
+            // The elapsed part of the frame is the remaining part in the opposite direction.
             self.direction = self.direction.reversed();
             let duration = self.pace.duration(self.frame);
             let phase = duration - self.anchor.phase;
@@ -195,8 +195,8 @@ impl Clock {
         }
     }
 
-    /// Says which frames there are now: more of them, or none before the first any more. The position stays; of frames
-    /// that are gone none plays.
+    /// Sets the present frames: more of them, or a later first one. The position stays; frames that are gone do not
+    /// play.
     pub fn set_frames(&mut self, frames: Range<usize>, now: Duration) {
         self.reanchor(now);
         (self.travel.first, self.travel.frame_count) = (frames.start, frames.end);
@@ -211,7 +211,7 @@ impl Clock {
         self.set_anchor(now, self.anchor.phase);
     }
 
-    /// Sets what happens at the ends. The direction becomes that of the speed again.
+    /// Sets the behaviour at the ends. The direction becomes the speed's again.
     pub fn set_loop_mode(&mut self, loop_mode: LoopMode, now: Duration) {
         self.reanchor(now);
         self.travel.loop_mode = loop_mode;
@@ -283,7 +283,7 @@ impl Clock {
         self.skipped
     }
 
-    /// When [`Clock::advance`] will next change something; `None` if it never will by itself.
+    /// Time at which [`Clock::advance`] will next change something; `None` if it never will by itself.
     pub fn next_deadline(&self) -> Option<Duration> {
         let ends = self.playing && self.travel.loop_mode == LoopMode::Off;
         if !self.is_moving() && !ends {

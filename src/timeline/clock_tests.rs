@@ -370,7 +370,7 @@ proptest! {
         prop_assert_eq!(clock.is_playing(), LoopMode::ALL[mode] != LoopMode::Off);
     }
 
-    /// The frame depends on the time alone, not on how often the clock was asked.
+    /// The frame depends on the time alone, not on how often the clock was polled.
     #[test]
     fn more_frequent_calls_change_nothing(mut times in prop::collection::vec(0.0f64..20.0, 1..30), mode in 0usize..3) {
         times.sort_by(f64::total_cmp);

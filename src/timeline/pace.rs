@@ -4,7 +4,8 @@
 //! both kinds: frames per second for most of the time. The distance between two steps of a playhead is a sum of
 //! durations along its path; a whole loop iteration is added at once, so that no sum is longer than one iteration.
 //!
-//! **Pauses.** Recordings stop and go on a day later. Nobody waits for that: a frame lasts at most [`LONGEST_FRAME`].
+//! **Pauses.** Recordings stop and go on a day later. No viewer waits for that: a frame lasts at most
+//! [`LONGEST_FRAME`].
 
 use super::travel::{Direction, LoopMode, Travel};
 use std::ops::Range;
@@ -103,7 +104,7 @@ impl Pace {
         turns as f64 * turn_duration + along_the_way.sum::<f64>()
     }
 
-    /// Steps and duration of the way that ends where it began, if the playhead comes back.
+    /// Steps and duration of the path that ends where it began, if the playhead comes back.
     fn turn(&self, travel: &Travel) -> Option<(u64, f64)> {
         let Range { start, end } = travel.frames();
         let steps = (end - start).checked_sub(1).filter(|&steps| steps > 0)? as u64;
@@ -151,7 +152,7 @@ mod tests {
     }
 
     proptest! {
-        /// The two questions are each other's inverse, and a walk step by step says the same.
+        /// The two questions are each other's inverse, and a walk step by step gives the same.
         #[test]
         fn steps_are_due_when_their_time_has_come(
             spacings_ms in prop::collection::vec(1u64..50, 1..12),

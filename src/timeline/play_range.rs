@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// In and out point of a sequence. What has no point goes to the end, however long the sequence grows.
+/// In and out point of a sequence. A missing point means the end, however long the sequence grows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash, Serialize, Deserialize)]
 #[serde(default)]
 pub struct PlayRange {
@@ -12,12 +12,12 @@ pub struct PlayRange {
 }
 
 impl PlayRange {
-    /// The in point: the first frame that plays, if it is not that of the sequence.
+    /// The in point: the first frame that plays, if it is not the sequence's.
     pub fn first(self) -> Option<usize> {
         self.first
     }
 
-    /// The out point: the last frame that plays, if it is not that of the sequence.
+    /// The out point: the last frame that plays, if it is not the sequence's.
     pub fn last(self) -> Option<usize> {
         self.last
     }

@@ -1,7 +1,7 @@
-//! The way of a playhead through a sequence: what comes after what, which frame is needed how soon.
+//! The path of a playhead through a sequence: the order of frames, and how soon each is needed.
 //!
 //! **How it works.** Playing backward is playing forward through the mirrored sequence, so every rule is written once,
-//! for forward, between two reflections. The clock asks where the playhead is after so many steps; the loader asks in
+//! for forward, between two reflections. The clock queries the playhead after a number of steps; the loader asks in
 //! which order frames will be needed (its *rank*: 0 for the playhead) and, inverted, which resident frame is needed
 //! last.
 
@@ -64,7 +64,7 @@ pub(crate) struct Travel {
 pub(crate) struct Arrival {
     pub(crate) index: usize,
     pub(crate) direction: Direction,
-    /// Fewer than asked for where the sequence ends.
+    /// Fewer than requested where the sequence ends.
     pub(crate) steps: u64,
 }
 
@@ -225,7 +225,7 @@ impl Travel {
         }
     }
 
-    /// `resident` without the playhead by falling [`Travel::rank`]: what is needed last comes first. Each step is
+    /// `resident` without the playhead by falling [`Travel::rank`]: the frame needed last comes first. Each step is
     /// O(log n).
     pub(crate) fn needed_last_first<'a>(
         &self,

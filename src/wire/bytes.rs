@@ -90,7 +90,7 @@ impl Written {
     }
 }
 
-/// Single floats of as many bytes as are a multiple of four.
+/// Single floats; the number of bytes must be a multiple of four.
 pub(super) fn f32s(bytes: &[u8]) -> Vec<f32> {
     bytes
         .as_chunks()
@@ -100,7 +100,7 @@ pub(super) fn f32s(bytes: &[u8]) -> Vec<f32> {
         .collect()
 }
 
-/// Triples of single floats of as many bytes as are a multiple of twelve.
+/// Triples of single floats; the number of bytes must be a multiple of twelve.
 pub(super) fn f32_triples(bytes: &[u8]) -> Vec<[f32; 3]> {
     let triples = bytes.as_chunks::<12>().0.iter();
     let number =

@@ -5,10 +5,10 @@ use super::error::WireError;
 use crate::rgbd::{Camera, Distortion};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
-/// Most pixels along an edge.
+/// Maximum pixels along an edge.
 const MAX_EDGE_PX: u32 = 1 << 15;
 
-/// Most pixels of an image: no depth camera has more, and packed ones may claim any number.
+/// Maximum pixels of an image: no depth camera has more, and packed ones may claim any number.
 // RVL encodes any number of holes in six bytes.
 const MAX_PIXELS: u64 = 1 << 25;
 

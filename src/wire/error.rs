@@ -2,8 +2,8 @@
 
 use std::io;
 
-/// Why bytes are no stream, or no more of it can be read. Messages are the end of a sentence that names the address or
-/// the file.
+/// Reasons why bytes are not a stream, or no more of it can be read. Messages are the end of a sentence that names the
+/// address or the file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WireError {

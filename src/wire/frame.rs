@@ -18,9 +18,9 @@ const WHAT: &str = "the head of a frame";
 pub struct FrameHead {
     /// Index of the frame in the sequence being played.
     pub index: u32,
-    /// Frames that the server has played before; numbers that are missing were dropped on the way.
+    /// Frames that the server has played before; missing numbers were dropped on the way.
     pub number: u64,
-    /// When it is due, ns since the stream began; goes on where the sequence begins again.
+    /// Due time, ns since the stream began; goes on where the sequence begins again.
     pub time_ns: u64,
     /// The clock of the server when it was handed to all clients, ns.
     pub served_ns: u64,

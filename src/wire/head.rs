@@ -16,7 +16,7 @@ pub const HEAD_BYTES: usize = 48;
 /// Magic, version, and the number of bytes behind them.
 const FIXED_BYTES: usize = 16;
 
-/// Bytes behind the fixed ones that are read at most: later writers may tell more than is known here.
+/// Maximum number of bytes read after the fixed ones: later writers may add unknown fields.
 const MAX_BYTES: u32 = 1 << 16;
 
 /// Bytes of something else that an error quotes.

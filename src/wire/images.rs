@@ -1,4 +1,4 @@
-//! Frames of depth images: what a camera measured, before any filter, with all that makes points of it.
+//! Frames of depth images: a camera's measurements, before any filter, with all data needed to make points.
 
 use super::bytes::{Fields, Written};
 use super::cameras::{CameraFields, checked_size, read_transform, write_camera, write_size, write_transform};
@@ -40,7 +40,7 @@ pub enum DepthCoding {
 /// Coding of colours on the wire.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ColorCoding {
-    /// Three bytes a pixel.
+    /// Three bytes per pixel.
     Raw,
     /// JPEG; images that are JPEG already are sent as they are.
     #[default]
@@ -85,7 +85,7 @@ impl RawColor {
         }
     }
 
-    /// As JPEG. `None` of what is no colour, or larger than a JPEG may be.
+    /// As JPEG. `None` if it is not a colour image, or larger than a JPEG may be.
     fn jpeg(&self) -> Option<Cow<'_, [u8]>> {
         let raster = match self {
             Self::Jpeg(_, bytes) => return Some(bytes.into()),
@@ -97,7 +97,7 @@ impl RawColor {
         Some(bytes.into())
     }
 
-    /// Three bytes a pixel; the error is the end of a sentence.
+    /// Three bytes per pixel; the error is the end of a sentence.
     fn pixels(&self, max_bytes: u64) -> Result<Vec<u8>, String> {
         let raster = match self {
             Self::Pixels(raster) => Cow::Borrowed(raster),
@@ -170,7 +170,7 @@ pub(crate) fn images_body(
     Ok((body.0, problem))
 }
 
-/// Code and bytes; the code is `u32::MAX` for what is no depth.
+/// Code and bytes; the code is `u32::MAX` for non-depth images.
 fn packed_depth(raster: &Raster, coding: DepthCoding) -> (u32, Vec<u8>) {
     match (&raster.samples, coding) {
         (Samples::Gray16(depths), DepthCoding::Raw) => {
@@ -182,7 +182,7 @@ fn packed_depth(raster: &Raster, coding: DepthCoding) -> (u32, Vec<u8>) {
     }
 }
 
-/// Code, bytes, and why there are none.
+/// Code, bytes, and the reason why there are none.
 fn packed_color(color: &RawColor, coding: ColorCoding, max_bytes: u64) -> (u32, Cow<'_, [u8]>, Option<String>) {
     if let Err(error) = checked_size(color.size_px(), "the colour image") {
         return (0, Cow::default(), Some(error.to_string()));

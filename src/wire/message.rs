@@ -8,10 +8,10 @@ use std::io::{ErrorKind, Read};
 /// Bytes of the header of a message: kind, length, checksum.
 pub(super) const HEADER_BYTES: usize = 12;
 
-/// No payload has more, whatever memory there is: 38 million points with colours and normals.
+/// Maximum size of a payload, for any memory: 38 million points with colours and normals.
 pub const MAX_PAYLOAD_BYTES: u64 = 1 << 30;
 
-/// Bytes of a payload that are made room for before any has come.
+/// Bytes of a payload allocated before any has arrived.
 const FIRST_BYTES: usize = 1 << 16;
 
 /// Kind of a message.
@@ -26,15 +26,15 @@ pub enum Kind {
     Now,
     /// The answer to a ping.
     Pong,
-    /// The server says why there will be no more.
+    /// The server's reason why there will be no more.
     End,
-    /// The client asks what time it is.
+    /// The client asks for the time.
     Ping,
     /// The client has received a frame.
     Got,
     /// View of the client: it is sent the points visible in this view.
     View,
-    /// Something that a later version says: it is passed over.
+    /// A message of a later version: it is skipped.
     Other(u32),
 }
 
@@ -153,7 +153,7 @@ impl Message {
 
 /// The next message, whose payload has no more than `max_bytes` (nor than [`MAX_PAYLOAD_BYTES`]).
 ///
-/// Memory grows with the bytes that come, not with what is claimed.
+/// Memory grows with the bytes that come, not with the claimed size.
 ///
 /// # Errors
 /// [`WireError`]: [`WireError::Ended`] between two messages.
@@ -174,7 +174,7 @@ pub fn read_message(reader: &mut impl Read, max_bytes: u64) -> Result<Message, W
     Ok(Message::new(header.kind, payload))
 }
 
-/// `count` bytes. The first are made room for, then as many again as have come, and never more than there will be.
+/// `count` bytes. Memory for the first is allocated, then doubled as bytes arrive, but never beyond `count`.
 fn read_payload(reader: &mut impl Read, count: usize) -> Result<Vec<u8>, WireError> {
     let mut payload = Vec::new();
     while payload.len() < count {

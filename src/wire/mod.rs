@@ -1,4 +1,4 @@
-//! The wire format of live streams: what `pointreel serve --live` sends and `tcp://` inputs read.
+//! The wire format of live streams: sent by `pointreel serve --live` and read by `tcp://` inputs.
 //!
 //! **How it works.** A stream is a head and messages, each with its kind, its length and a checksum. Every frame
 //! contains all that is needed to read it (cameras, pose, units), so a client that connects late, misses frames or
@@ -7,8 +7,8 @@
 //!
 //! A file with the same bytes is a recording (`.pointreel-stream`).
 //!
-//! **Bounds.** Payloads are read as they come, and never more than a limit; images and arrays have as many bytes as
-//! their sizes say, or are rejected before they are decoded.
+//! **Bounds.** Payloads are read as they come, and never more than a limit; images and arrays have the number of bytes
+//! of their sizes, or are rejected before they are decoded.
 
 mod bytes;
 mod cameras;

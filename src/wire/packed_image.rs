@@ -1,4 +1,4 @@
-//! An image as it came, which is unpacked by whoever wants its pixels.
+//! An image as received, unpacked when its pixels are needed.
 
 use super::error::WireError;
 use crate::raster::{self, Raster, Samples, rvl};
@@ -30,7 +30,7 @@ pub(super) enum Packing {
 }
 
 impl Packing {
-    /// Bytes of a pixel, where all take as many.
+    /// Bytes of a pixel, if all take the same number.
     fn pixel_bytes(self) -> Option<u64> {
         match self {
             Self::Gray16 => Some(2),
@@ -42,7 +42,7 @@ impl Packing {
 }
 
 impl PackedImage {
-    /// The image in these bytes of `payload`; `what` it is, for errors. Precondition: they are within the payload.
+    /// The image in these bytes of `payload`; `what` names it in errors. Precondition: they are within the payload.
     pub(super) fn new(
         payload: Arc<Vec<u8>>,
         bytes: Range<usize>,

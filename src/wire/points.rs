@@ -10,7 +10,7 @@ use std::sync::Arc;
 /// Bytes of a body before its arrays, as this version writes them.
 const LAYOUT_BYTES: usize = 80;
 
-/// Most arrays of a frame.
+/// Maximum number of arrays of a frame.
 const MAX_ARRAYS: u32 = 256;
 
 /// Longest name of an array.

@@ -1,4 +1,4 @@
-//! Small messages: what time it is, and what has come.
+//! Small messages: the time, and acknowledgements.
 //!
 //! Clocks of two machines differ. A client that asks at t₀ and hears at t₃ that the server was asked at t₁ and answered
 //! at t₂ knows the difference of the clocks, ((t₁ − t₀) + (t₂ − t₃)) / 2, up to half of the time on the way (Mills
@@ -17,7 +17,7 @@ pub struct Now {
     pub newest: Option<u64>,
 }
 
-/// The client asks what time it is.
+/// The client asks for the time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Ping {
     /// The clock of the client, ns since anything.
@@ -27,7 +27,7 @@ pub struct Ping {
 /// The answer to a ping.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pong {
-    /// That of the ping.
+    /// The clock of the client in the ping.
     pub client_ns: u64,
     /// The clock of the server when the ping came, ns.
     pub received_ns: u64,

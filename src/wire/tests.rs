@@ -62,7 +62,7 @@ fn depths() -> Vec<u16> {
 }
 
 fn colors() -> Raster {
-    // As smooth as most photographs.
+    // As smooth as most natural images.
     let pixel = |at: u8| [100 + at, 120 + at / 2, 200 - at];
     Raster {
         size_px: [10, 4],
@@ -345,7 +345,7 @@ fn images_with_invalid_dimensions_are_rejected() {
     assert!(images.depth.raster(MAX).is_err());
 }
 
-/// Whatever comes: an error or a frame. All that is unpacked is bounded.
+/// Any input gives an error or a frame. Unpacked data is bounded.
 fn take(mut bytes: &[u8]) {
     if StreamHead::read(&mut bytes).is_err() {
         return;

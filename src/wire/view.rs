@@ -8,10 +8,10 @@ use glam::{DVec3, Mat3};
 /// Bytes of a view as this version writes it.
 const LAYOUT_BYTES: usize = 92;
 
-/// No picture is wider or higher.
+/// Maximum width and height of an image.
 const MAX_EDGE_PX: u32 = 1 << 14;
 
-/// No picture has more pixels: a server has numbers for each.
+/// Maximum number of pixels of an image: a server has numbers for each.
 const MAX_PIXELS: u64 = 1 << 24;
 
 /// Tolerance for the orthonormality of the axes: deviation from right angles and from length 1.
@@ -20,16 +20,16 @@ const MAX_SKEW: f32 = 1e-3;
 /// Name of the part being read, for errors.
 const WHAT: &str = "a view";
 
-/// A view of the frames of a stream, and the pixels of its picture.
+/// A view of the frames of a stream, and the pixels of its image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
     /// Eye position (camera centre), in the coordinates of the frames.
     pub eye: DVec3,
-    /// From the axes of the frames to those of the view: right, up, backward.
+    /// From the axes of the frames to the view's: right, up, backward.
     pub rotation: Mat3,
     /// Nothing nearer along the view axis is seen.
     pub near: f32,
-    /// Width and height of the picture.
+    /// Width and height of the image.
     pub size_px: [u32; 2],
     /// Pixels from the view axis for a slope of 1, rightwards and downwards.
     pub px_per_slope: [f32; 2],

@@ -1,4 +1,4 @@
-//! What builds with fewer features do not bring, told by cargo.
+//! Crates absent from builds with fewer features, according to cargo.
 
 use std::collections::BTreeSet;
 use std::process::Command;
@@ -32,7 +32,7 @@ fn crates(features: &[&str]) -> BTreeSet<String> {
         .collect()
 }
 
-/// Of `named`, those that a build with `features` alone has.
+/// The crates of `named` that a build with `features` alone has.
 fn brought(features: &[&str], named: &[&[&str]]) -> Vec<String> {
     let crates = crates(features);
     named

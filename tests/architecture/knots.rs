@@ -12,7 +12,7 @@ pub(crate) type Imports = BTreeMap<String, BTreeMap<String, String>>;
 
 pub(crate) type Knot = BTreeSet<String>;
 
-/// What a path leads to.
+/// The target of a path.
 enum Target {
     Module(Path),
     /// Something that is defined in this module.
@@ -22,7 +22,7 @@ enum Target {
 /// Longer chains of `use` are circles of globs.
 const MAX_USES: usize = 16;
 
-/// What files import, tests left out.
+/// The imports of files, without tests.
 pub(crate) fn imports(sources: &Sources) -> Imports {
     let mut imports = Imports::new();
     for (path, module) in &sources.modules {
@@ -53,8 +53,7 @@ pub(crate) fn imports(sources: &Sources) -> Imports {
     imports
 }
 
-/// Follows `path`, as written in the module `at`. Names of other crates and of what is local to a function lead
-/// nowhere.
+/// Follows `path`, as written in the module `at`. Names of other crates and names local to a function lead nowhere.
 fn resolve(sources: &Sources, at: &[String], path: &[String], uses_left: usize) -> Option<Target> {
     let uses_left = uses_left.checked_sub(1)?;
     let mut at = at.to_vec();
@@ -123,7 +122,7 @@ fn reached_from<'a>(imports: &'a Imports, file: &'a str) -> BTreeSet<&'a str> {
     reached
 }
 
-/// The shortest way from a file of a knot back to itself, an import a line.
+/// The shortest path from a file of a knot back to itself, one import per line.
 pub(crate) fn circle(imports: &Imports, file: &str) -> String {
     let mut line_to: BTreeMap<&str, (&str, String)> = BTreeMap::new();
     let mut left = VecDeque::from([file]);
@@ -149,7 +148,7 @@ pub(crate) fn circle(imports: &Imports, file: &str) -> String {
     lines.join("\n")
 }
 
-/// What is wrong with the list of known knots: files that were tied to one, knots that are new, and those that are
+/// Errors in the list of known knots: files that were tied to one, knots that are new, and those that are
 /// smaller than listed.
 pub(crate) fn differences(imports: &Imports, known: &[&[&str]]) -> Vec<String> {
     let mut wrong = Vec::new();

@@ -23,7 +23,7 @@ pub(crate) const FEATURES_NAMED_ELSEWHERE: &[(&str, &[&str])] = &[
     ("app/features/trails/panel.rs", &["inspection"]),
 ];
 
-/// Functions with parameters that are tuples, and how many: a pair that is made as one and handed on as one. This list
+/// Functions with tuples as parameters, and their number: a pair that is made as one and handed on as one. This list
 /// may shrink, never grow.
 pub(crate) const TUPLES_IN_PARAMETERS: &[(&str, usize)] = &[
     ("io/formats/las/tests/fields.rs: rows", 2),

@@ -1,9 +1,8 @@
-//! Tuples in the parameters of functions, read from tokens: they hide how many arguments there are, and have no names.
+//! Tuples in the parameters of functions, read from tokens: they hide the number of arguments, and have no names.
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
-/// How many parts tuples in the parameters of the functions of a file have; those of closures and of types of functions
-/// do not count.
+/// Number of parts of tuples in the parameters of the functions of a file; closures and function types do not count.
 pub(crate) fn tuples(text: &str) -> Vec<(String, usize)> {
     let mut found = Vec::new();
     look_into(text.parse().expect("a file of Rust"), &mut found);
@@ -24,7 +23,7 @@ fn look_into(stream: TokenStream, found: &mut Vec<(String, usize)>) {
     }
 }
 
-/// The parameters of a function of which this is behind its name.
+/// The parameters of a function, from the tokens after its name.
 fn parameters(trees: &[TokenTree]) -> Vec<Vec<TokenTree>> {
     let mut depth = 0;
     let mut follows_dash = false;
@@ -38,7 +37,7 @@ fn parameters(trees: &[TokenTree]) -> Vec<Vec<TokenTree>> {
     Vec::new()
 }
 
-/// By how much angular brackets are deeper behind a token.
+/// Change in the depth of angle brackets behind a token.
 fn step_into(tree: &TokenTree, follows_dash: bool) -> i32 {
     i32::from(is_sign(tree, '<')) - i32::from(is_sign(tree, '>') && !follows_dash)
 }

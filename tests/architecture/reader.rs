@@ -11,7 +11,7 @@ fn read(files: &[(&str, &str)]) -> Sources {
     })
 }
 
-/// What the module `a::b` names from the root, if `text` is all that is in its file.
+/// The names from the root in the module `a::b`, if `text` is its whole file.
 fn named(text: &str) -> Vec<String> {
     let sources = read(&[("lib.rs", "mod a;"), ("a/mod.rs", "mod b;"), ("a/b.rs", text)]);
     let module = ["a".to_string(), "b".to_string()];

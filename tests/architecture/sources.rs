@@ -1,9 +1,9 @@
-//! What the modules of a crate name, read from their tokens.
+//! The names in the modules of a crate, read from their tokens.
 //!
 //! **How it works.** Modules are followed from `lib.rs` by their `mod`, as the compiler does, so that a file is known
 //! by the place where it is declared, and `super` means what it means there. Of the tokens only four things matter:
-//! attributes that say what is test code, `mod`, `use`, and identifiers joined by `::` wherever they stand. What macros
-//! are given is tokens as well, so it is seen too.
+//! attributes that mark test code, `mod`, `use`, and identifiers joined by `::` wherever they occur. Macro arguments
+//! are tokens as well, so they are seen too.
 
 use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 use std::collections::{BTreeMap, BTreeSet};
@@ -36,11 +36,11 @@ pub(crate) struct Mention {
     pub(crate) is_test: bool,
 }
 
-/// Where a path is written.
+/// Position of a path.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Place {
     Use {
-        /// By what name the module has it from there on; a glob has none.
+        /// The name that it has in the module from there on; a glob has none.
         name: Option<String>,
         is_export: bool,
     },
@@ -67,7 +67,7 @@ impl Mention {
 }
 
 impl Module {
-    /// The path that a `use` of this module, tests left out, calls `name`.
+    /// The path that a `use` of this module, outside tests, calls `name`.
     pub(crate) fn import(&self, name: &str) -> Option<&[String]> {
         self.uses()
             .find(|(_, known_as)| *known_as == Some(name))
@@ -86,7 +86,7 @@ impl Module {
         })
     }
 
-    /// The names in all paths but those of comments.
+    /// The names in all paths outside comments.
     pub(crate) fn names_in_code(&self) -> impl Iterator<Item = &str> {
         let in_code = self.mentions.iter().filter(|mention| mention.place != Place::Comment);
         in_code.flat_map(|mention| mention.path.iter().map(String::as_str))
@@ -94,7 +94,7 @@ impl Module {
 }
 
 impl Sources {
-    /// Reads `lib.rs` and what it declares; `text` gives what is in a file, if there is one of that name.
+    /// Reads `lib.rs` and its declared modules; `text` returns the contents of a file, if it exists.
     pub(crate) fn read(text: &dyn Fn(&str) -> Option<String>) -> Self {
         let mut reader = Reader {
             text,
@@ -110,18 +110,18 @@ impl Sources {
     }
 }
 
-/// Where the reader is.
+/// Position of the reader.
 #[derive(Debug, Clone, Default)]
 struct Scope {
     module: Path,
     file: String,
-    /// Where the files of child modules are, with a `/` at its end.
+    /// Folder of the files of child modules, with a `/` at its end.
     folder: String,
     is_test: bool,
 }
 
 impl Scope {
-    /// Where the child `name` is read: in the same file until another one is found for it.
+    /// Scope of the child `name`: in the same file until another one is found for it.
     fn child(&self, name: &str) -> Self {
         let mut child = self.clone();
         child.module.push(name.into());
@@ -241,7 +241,7 @@ impl Reader<'_> {
         self.read_file(&child, &text);
     }
 
-    /// The file that stands in for a module where the build lacks a feature: a module of its own name.
+    /// The file that replaces a module where the build lacks a feature: a module of its own name.
     fn read_stand_in(&mut self, attribute: &[&str], scope: &Scope) {
         if let [.., "path", "=", file, ")", "]"] = attribute {
             let file = file.trim_matches('"');
@@ -304,7 +304,7 @@ fn flatten(stream: TokenStream, tokens: &mut Vec<String>) {
     }
 }
 
-/// How many tokens there are up to the bracket, itself included, that closes the first one.
+/// Number of tokens up to the bracket, inclusive, that closes the first one.
 fn closing(tokens: &[&str]) -> usize {
     let mut depth = 0;
     for (i, token) in tokens.iter().enumerate() {
@@ -324,7 +324,7 @@ fn depth_of(token: &str) -> i32 {
     }
 }
 
-/// How many tokens the first item has: up to a semicolon or the end of its braces.
+/// Number of tokens of the first item: up to a semicolon or the end of its braces.
 fn end_of_item(tokens: &[&str]) -> usize {
     let mut depth = 0;
     for (i, token) in tokens.iter().enumerate() {
@@ -336,7 +336,7 @@ fn end_of_item(tokens: &[&str]) -> usize {
     tokens.len()
 }
 
-/// The names that `::` joins, and what is after them.
+/// The names that `::` joins, and the tokens after them.
 fn read_path<'a, 'b>(tokens: &'b [&'a str]) -> (Path, &'b [&'a str]) {
     let mut path = vec![tokens[0].to_string()];
     let mut rest = &tokens[1..];
@@ -349,8 +349,8 @@ fn read_path<'a, 'b>(tokens: &'b [&'a str]) -> (Path, &'b [&'a str]) {
     (path, rest)
 }
 
-/// Reads the tree of a `use` below `stem` into paths and the names that they are given, none for a glob. What is after
-/// it is returned.
+/// Reads the tree of a `use` below `stem` into paths and the names that they are given, none for a glob. The tokens
+/// after it are returned.
 fn read_tree<'a, 'b>(tokens: &'b [&'a str], stem: &Path, leaves: &mut Vec<(Path, Option<String>)>) -> &'b [&'a str] {
     let joined = |name: &str| [stem.as_slice(), &[name.to_string()]].concat();
     match tokens {
@@ -387,7 +387,7 @@ fn read_name<'a, 'b>(path: Path, tokens: &'b [&'a str], leaves: &mut Vec<(Path, 
     after
 }
 
-/// What comments link to: whatever looks like a path from the root or the module above. Examples name the crate as
+/// Links of comments: anything that looks like a path from the root or the module above. Examples name the crate as
 /// others do.
 fn paths_in_comments(text: &str) -> Vec<Path> {
     let comments: Vec<&str> = text.lines().filter_map(|line| Some(line.split_once("//")?.1)).collect();

@@ -22,7 +22,7 @@ impl Counts {
     }
 }
 
-/// Where the phrases of a row must not be.
+/// Scope in which the phrases of a row must not be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Scope {
     Texts,
@@ -53,7 +53,7 @@ const FIRST_WORDS: &str = "first words";
 /// Counts by the key of the row.
 pub(crate) type Tally = BTreeMap<String, Counts>;
 
-/// What of a Rust file the glossary speaks about.
+/// The parts of a Rust file that the glossary applies to.
 #[derive(Debug, Default)]
 struct Spoken {
     strings: Vec<String>,
@@ -106,7 +106,7 @@ impl Glossary {
         }
     }
 
-    /// The rows, among those of `scopes`, whose phrases are in `words`, each as often as one of them is.
+    /// The rows, among those of `scopes`, whose phrases are in `words`, each as often as it occurs.
     fn found<'a>(&'a self, words: &'a [String], scopes: &'a [Scope]) -> impl Iterator<Item = &'a Row> {
         words.iter().enumerate().flat_map(move |(at, first)| {
             let phrases = self.phrases.get(first).into_iter().flatten();
@@ -133,7 +133,7 @@ impl Glossary {
         self.rows.len()
     }
 
-    /// Adds what a page in Markdown has. Code in it is left alone.
+    /// Adds the words of a page in Markdown. Code in it is ignored.
     pub(crate) fn count_page(&self, page: &str, tally: &mut Tally) {
         let mut is_code = false;
         let mut prose = String::new();
@@ -151,7 +151,7 @@ impl Glossary {
         }
     }
 
-    /// Adds what a Rust file says; its tests are left alone.
+    /// Adds the words of a Rust file; its tests are ignored.
     pub(crate) fn count_rust(&self, tokens: TokenStream, tally: &mut Tally) {
         let mut spoken = Spoken::default();
         listen(tokens, &mut spoken);
@@ -223,7 +223,7 @@ fn words(text: &str) -> Vec<String> {
         .collect()
 }
 
-/// Without what stands in backticks.
+/// Without the text in backticks.
 fn without_code(text: &str) -> String {
     text.split('`').step_by(2).collect::<Vec<_>>().join(" code ")
 }
@@ -247,7 +247,7 @@ fn parts_of_name(name: &str) -> Vec<String> {
     parts
 }
 
-/// Whether `attribute`, what stands in the brackets, makes what follows test code.
+/// Returns true if `attribute`, the text in the brackets, marks the next item as test code.
 fn is_of_tests(attribute: &TokenStream) -> bool {
     let text = attribute.to_string();
     text == "test" || text.starts_with("cfg (test") || text.starts_with("cfg(test")
@@ -264,7 +264,7 @@ fn doc_line(attribute: TokenStream) -> Option<String> {
     }
 }
 
-/// What a literal says, if it is a string.
+/// The text of a literal, if it is a string.
 fn text_of(literal: &str) -> Option<String> {
     let start = literal.find('"')?;
     let end = literal.rfind('"').filter(|end| *end > start)?;

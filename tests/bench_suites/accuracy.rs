@@ -129,7 +129,7 @@ fn assert_voxels_beside_surfels(report: &Report) {
     let rows = rows_of(report, "closed");
     let [covered, outside, flip] = ["covered", "outside", "flip_surfels_mean"].map(|key| column(report, &rows, key));
     // The paper's δ, leaves as large as the spacing lit by faces, and by normals. Seen from these two sides, surfels of
-    // thin limbs extend beyond cells by more than a hundredth; tests/pictures/closed_voxels.rs looks from all sides.
+    // thin limbs extend beyond cells by more than a hundredth; tests/pictures/closed_voxels.rs tests all sides.
     assert!(covered[0] < 0.9 && covered[1] > 0.98, "{covered:?}");
     assert_eq!(covered[1], covered[2], "light changes no silhouette");
     assert!(outside[0] < outside[1] && outside[1] < 0.3, "{outside:?}");

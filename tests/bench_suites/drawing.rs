@@ -1,4 +1,4 @@
-//! Suites that time pictures: strategies, octrees, levels of detail, primitives, renderers.
+//! Suites that time rendering: strategies, octrees, levels of detail, primitives, renderers.
 
 use super::{STRATEGIES, assert_files_agree, column, demo, measure, numbers, rows_of, small};
 use pointreel::bench::{BenchOptions, Cell, Report, run, suites};
@@ -191,7 +191,7 @@ fn primitives_are_measured_with_the_cost_of_their_shaders() {
     assert_eq!(speed.len(), 3 * (2 * primitives + 1));
     assert_passes_are_timed(&report);
     let records = column(&report, &speed, "records");
-    // All points from every distance, except for voxels, of which there are as many as leaves.
+    // All points from every distance, except for voxels: one per leaf.
     assert!(
         records[..3 * (primitives - 1)].iter().all(|&count| count == 3000.0),
         "{records:?}"
@@ -202,7 +202,7 @@ fn primitives_are_measured_with_the_cost_of_their_shaders() {
     ] {
         let [means, rates] = [mean, rate].map(|key| column(&report, &speed, key));
         for ((mean, rate), records) in means.iter().zip(rates).zip(&records) {
-            // All images have the same number of records, so the ratio of sums is that of means.
+            // All images have the same number of records, so the ratio of sums is the ratio of means.
             assert!(
                 (rate * mean * 1e3 / records - 1.0).abs() < 1e-9,
                 "{rate} {mean} {records}"

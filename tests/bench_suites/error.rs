@@ -1,4 +1,4 @@
-//! The suite of time beside error, and its page.
+//! The suite of time and error, and its page.
 
 use super::{assert_files_agree, demo, input, small};
 use pointreel::bench::{BenchOptions, Cell, Input, LabError, LabPoint, Report, Step, run, suites};
@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::LazyLock;
 
-/// Two runs, of which the second finds the truths that the first has kept.
+/// Two runs: the second finds the ground truths that the first stored.
 static RUNS: LazyLock<[Report; 2]> = LazyLock::new(|| {
     let folder = tempfile::tempdir().unwrap();
     let truths = folder.path().join("truths");
@@ -21,7 +21,7 @@ static RUNS: LazyLock<[Report; 2]> = LazyLock::new(|| {
     })
 });
 
-/// Ways of the processor on a sphere of few points, whose truth is known.
+/// Render modes of the CPU on a sphere of few points, whose ground truth is known.
 fn errors_on_a_sphere(truth_folder: &Path) -> Report {
     let sphere = Input {
         shape: Some(Shape::Sphere),
@@ -171,7 +171,7 @@ fn a_selection_without_variants_is_an_error() {
     assert!(error.to_string().contains("requested render modes"), "{error}");
 }
 
-/// A sphere of quads as a PLY file, with colours by place.
+/// A sphere of quads as a PLY file, with colours by position.
 fn write_sphere(path: &Path, rows: u32) {
     let columns = 2 * rows;
     let mut vertices = String::new();

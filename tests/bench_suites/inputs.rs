@@ -1,4 +1,4 @@
-//! Suites about what is read: sequence files, depth images, playing.
+//! Suites about inputs: sequence files, depth images, playing.
 
 use super::{assert_files_agree, input, measure, numbers, small};
 use pointreel::bench::{BenchOptions, Cell, Row, run, suites};

@@ -1,4 +1,4 @@
-//! Each benchmark suite runs on the demo, in small, and says the same in its table, JSON and CSV.
+//! Each benchmark suite runs on the demo at small size, and has the same figures in its table, JSON and CSV.
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking, in its helpers too")]
 
@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 const STRATEGIES: [&str; 5] = ["storage", "uniform", "texture", "vertex", "compute"];
 
-/// Few and small pictures: these tests are about the suites, not about the clock.
+/// Few and small images: these tests are about the suites, not about the clock.
 fn small(suite: &'static Suite) -> BenchOptions {
     BenchOptions {
         viewport_px: [96, 64],

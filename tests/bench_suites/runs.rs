@@ -1,4 +1,4 @@
-//! What all suites have in common: progress, cancelling, broken frames, nothing to do.
+//! Behaviour common to all suites: progress, cancelling, broken frames, nothing to do.
 
 use super::{common, demo, input, small};
 use pointreel::bench::{BenchError, BenchOptions, Input, Step, run, suites};

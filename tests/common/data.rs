@@ -1,9 +1,9 @@
-//! Clouds of other programs. They lie beside the project, in `../shared/data`, and a clone of it does not have them.
+//! Clouds of other programs. They are outside the project, in `../shared/data`, and a clone of it does not have them.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// A file or folder of that data. Where it is missing that is said, for a test that looks at less must not pass in
+/// A file or folder of that data. If it is missing, that is reported, as a test that checks less must not pass in
 /// silence; and under continuous integration (`CI=true`), where it has to be there, the test fails.
 pub(crate) fn shared(name: &str) -> Option<PathBuf> {
     let project = Path::new(env!("CARGO_MANIFEST_DIR"));

@@ -1,4 +1,4 @@
-//! What image tests share: one software device, and packets made from a few records.
+//! Code shared by image tests: one software device, and packets made from a few records.
 #![allow(dead_code, reason = "every test binary uses another part")]
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -18,7 +18,7 @@ use std::sync::{Arc, LazyLock, Mutex, MutexGuard};
 
 static CONTEXT: LazyLock<Arc<Context>> = LazyLock::new(|| open(&software()));
 
-/// Options of every test: the software rasteriser, so that pictures come from one place.
+/// Options of every test: the software rasteriser, so that images come from one renderer.
 pub(crate) fn software() -> ContextOptions {
     ContextOptions {
         prefer_software: true,
@@ -26,7 +26,7 @@ pub(crate) fn software() -> ContextOptions {
     }
 }
 
-/// Opens a device or says what to install.
+/// Opens a device or reports what to install.
 pub(crate) fn open(options: &ContextOptions) -> Arc<Context> {
     Context::headless(options).unwrap_or_else(|error| panic!("{error}"))
 }
@@ -55,7 +55,7 @@ pub(crate) fn draw_with(renderer: &mut GpuRenderer, packet: &ScenePacket) -> Rgb
     renderer.read_image().unwrap()
 }
 
-/// Draws a packet on the processor.
+/// Draws a packet on the CPU.
 pub(crate) fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
     let mut renderer = CpuRenderer::new();
     renderer.prepare(packet).unwrap();
@@ -63,7 +63,7 @@ pub(crate) fn draw_on_cpu(packet: &ScenePacket) -> RgbaImage {
     renderer.read_image().unwrap()
 }
 
-/// Settings whose colours can be predicted: no light, black background. Splats reach over what lies between them.
+/// Settings whose colours can be predicted: no light, black background. Splats cover the gaps between them.
 pub(crate) fn plain() -> Style {
     Style::default().with(|style| {
         style.surfels.splatting = Splatting::TwoPassEnlarged;
@@ -196,7 +196,7 @@ pub(crate) fn count_color(image: &RgbaImage, color: [u8; 3]) -> usize {
     image.pixels().filter(|pixel| pixel.0[..3] == color).count()
 }
 
-/// Says where two pictures differ: number of pixels and the largest difference of a channel.
+/// Reports where two images differ: number of pixels and the largest difference of a channel.
 pub(crate) fn difference(a: &RgbaImage, b: &RgbaImage) -> (usize, u8) {
     assert_eq!(a.dimensions(), b.dimensions());
     a.pixels()
@@ -223,7 +223,7 @@ pub(crate) fn colored_sphere(count: u32, style: &Style) -> PreparedFrame {
     prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())
 }
 
-/// Draws and returns what was done for it.
+/// Draws and returns the statistics of it.
 pub(crate) fn cost(renderer: &mut GpuRenderer, packet: &ScenePacket) -> RenderStats {
     let before = renderer.stats();
     renderer.prepare(packet).unwrap();
@@ -238,7 +238,7 @@ pub(crate) fn cost(renderer: &mut GpuRenderer, packet: &ScenePacket) -> RenderSt
     }
 }
 
-/// What sRGB means: light from 0 to 1.
+/// The meaning of sRGB: light from 0 to 1.
 pub(crate) fn to_linear(channel: f64) -> f64 {
     if channel <= 0.04045 {
         channel / 12.92

@@ -15,10 +15,10 @@ const BALL_RADIUS: f64 = 0.7;
 const RING_RADIUS: f64 = 1.25;
 const TUBE_RADIUS: f64 = 0.16;
 
-/// What all cameras look at is within this.
+/// Everything that cameras look at is within this.
 pub(crate) const SCENE_RADIUS: f64 = RING_RADIUS + TUBE_RADIUS;
 
-/// From the middle to each camera.
+/// From the centre to each camera.
 pub(crate) const DISTANCE: f64 = 4.2;
 
 /// The ring lies in a plane that is tilted.
@@ -34,7 +34,7 @@ fn distance(place: DVec3) -> (f64, bool) {
     if ring < ball { (ring, true) } else { (ball, false) }
 }
 
-/// The colour of a place of the surface, 0 to 1: waves that a few thousand points cannot tell.
+/// The colour of a position on the surface, 0 to 1: waves that a few thousand points cannot resolve.
 fn color(place: DVec3, is_ring: bool) -> DVec3 {
     let waves = |frequency: f64| {
         let [x, y, z] = (frequency * place).to_array();
@@ -48,7 +48,7 @@ fn color(place: DVec3, is_ring: bool) -> DVec3 {
     base + 0.1 * waves(9.0) + 0.14 * waves(37.0)
 }
 
-/// The place that a ray meets, with the colour there.
+/// The position that a ray meets, with the colour there.
 pub(crate) fn hit(origin: DVec3, direction: DVec3) -> Option<(DVec3, DVec3)> {
     let center = -origin.dot(direction);
     let nearest2 = origin.length_squared() - center * center;
@@ -68,7 +68,7 @@ pub(crate) fn hit(origin: DVec3, direction: DVec3) -> Option<(DVec3, DVec3)> {
     None
 }
 
-/// From a place on the sphere around the scene, looking at its middle, with y up.
+/// From a position on the sphere around the scene, looking at its centre, with y up.
 pub(crate) fn pose(azimuth_deg: f64, elevation_deg: f64) -> DAffine3 {
     let (azimuth, elevation) = (azimuth_deg.to_radians(), elevation_deg.to_radians());
     let toward = DVec3::new(
@@ -83,7 +83,7 @@ pub(crate) fn pose(azimuth_deg: f64, elevation_deg: f64) -> DAffine3 {
     DAffine3::from_mat3_translation(world_from_camera, DISTANCE * toward).inverse()
 }
 
-/// A camera of square pictures that holds all of the scene.
+/// A camera of square images that shows all of the scene.
 pub(crate) fn pinhole(edge_px: u32) -> Camera {
     let focal = DVec2::splat(1.28 * f64::from(edge_px));
     // Not quite at the centre, as in real ones.
@@ -91,7 +91,7 @@ pub(crate) fn pinhole(edge_px: u32) -> Camera {
     Camera::new([edge_px; 2], focal, principal, Distortion::None).unwrap()
 }
 
-/// What such a camera sees: red, green, blue and 255 where the scene is, else zeros.
+/// The image of such a camera: red, green, blue and 255 where the scene is, else zeros.
 pub(crate) fn textured(pinhole: &Camera, camera_from_world: &DAffine3) -> Vec<[u8; 4]> {
     let [width, height] = pinhole.size_px();
     let world_from_camera = camera_from_world.inverse();
@@ -111,14 +111,14 @@ pub(crate) fn textured(pinhole: &Camera, camera_from_world: &DAffine3) -> Vec<[u
         .collect()
 }
 
-/// Where the photographs are taken from: three rings of twelve.
+/// Poses of the input images: three rings of twelve.
 pub(crate) fn poses() -> Vec<DAffine3> {
     let ring =
         |elevation_deg: f64| (0..12).map(move |at| pose(30.0 * f64::from(at) + 0.4 * elevation_deg, elevation_deg));
     [-35.0, 5.0, 45.0].into_iter().flat_map(ring).collect()
 }
 
-/// Photographs of `edge_px`² from [`poses`]. What is not the scene is black, and not masked.
+/// Images of `edge_px`² from [`poses`]. The background is black, and not masked.
 pub(crate) fn posed_images(edge_px: u32) -> PosedImages {
     let pinhole = pinhole(edge_px);
     let posed_image = |(number, camera_from_world): (usize, DAffine3)| {
@@ -205,7 +205,7 @@ pub(crate) fn frame(count: usize, style: &Style) -> PreparedFrame {
     )
 }
 
-/// Settings without light, with a black background; disks as large as points are apart.
+/// Settings without light, with a black background; disks as large as the point spacing.
 pub(crate) fn style() -> Style {
     plain().with(|style| {
         style.surfels.splatting = Splatting::TwoPass;

@@ -1,4 +1,4 @@
-//! A sequence that is made up, opened in the window's state: what tests of panels begin with.
+//! A generated sequence, opened in the window's state: the start of panel tests.
 
 use pointreel::app::{Preferences, State, StateOptions};
 use pointreel::cloud::{Positions, RawCloud};
@@ -28,7 +28,7 @@ pub(crate) fn sequence(broken: &'static [u64]) -> Arc<Sequence> {
     }))
 }
 
-/// Without thumbnails, which are made when there is time: what changes is what a test has changed.
+/// Without thumbnails, which are made when there is time: so only the test's own changes show.
 pub(crate) fn options() -> StateOptions {
     StateOptions {
         preferences: Preferences {

@@ -12,10 +12,10 @@ use x11rb::protocol::xproto::{self, ConnectionExt as _};
 use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 
-/// Software adapters compile their shaders for the first picture; machines of continuous integration are slow.
+/// Software adapters compile their shaders for the first image; machines of continuous integration are slow.
 pub(crate) const PATIENCE: Duration = Duration::from_mins(1);
 
-/// Where [`Screen::picture`] looks: in the middle of the 3-D picture of the smallest window that tests open.
+/// Where [`Screen::picture`] looks: at the centre of the 3-D view of the smallest window that tests open.
 pub(crate) const PICTURE_COLUMNS: Range<usize> = 50..600;
 pub(crate) const PICTURE_ROWS: Range<usize> = 100..480;
 
@@ -68,7 +68,7 @@ impl Xvfb {
         }
     }
 
-    /// The program, as it would be started on this display by somebody without settings.
+    /// The program, as started on this display by a user without settings.
     pub(crate) fn program(&self, home: &Path) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_pointreel"));
         command
@@ -90,7 +90,7 @@ impl Xvfb {
     }
 }
 
-/// Runs each function, a test that is told who paints the window, once for each painter.
+/// Runs each function, a test that takes the painter of the window, once for each painter.
 macro_rules! painted_by_each {
     ($($name:ident),+ $(,)?) => {
         $(mod $name {
@@ -134,7 +134,7 @@ impl Screen {
             .data
     }
 
-    /// Pixels of the 3-D picture's middle: no panel, no notice.
+    /// Pixels at the centre of the 3-D view: no panel, no notice.
     pub(crate) fn picture(&self) -> Vec<u8> {
         let pixels = self.pixels();
         let stride = usize::from(self.size[0]) * 4;
@@ -144,7 +144,7 @@ impl Screen {
             .collect()
     }
 
-    /// Waits until `is_met` says yes of the picture.
+    /// Waits until `is_met` returns true for the image.
     pub(crate) fn wait_for(&self, what: &str, is_met: impl Fn(&[u8]) -> bool) -> Vec<u8> {
         let begin = Instant::now();
         loop {
@@ -157,7 +157,7 @@ impl Screen {
         }
     }
 
-    /// Waits until nothing has moved in the picture for a while.
+    /// Waits until nothing has moved in the image for a while.
     pub(crate) fn wait_for_rest(&self, what: &str) -> Vec<u8> {
         Self::rest_of(what, || self.picture())
     }
@@ -210,7 +210,7 @@ impl Screen {
             .unwrap();
     }
 
-    /// Covers a part of the screen with a window of somebody else, and takes it away again.
+    /// Covers a part of the screen with the window of another program, and removes it again.
     pub(crate) fn cover_for_a_moment(&self, [x, y]: [i16; 2], [width, height]: [u16; 2]) {
         let window = self.connection.generate_id().unwrap();
         let looks = xproto::CreateWindowAux::new()
@@ -280,7 +280,7 @@ impl Screen {
     }
 }
 
-/// More than a plain background: what a cloud and its shading leave.
+/// More than a plain background: the colours of a cloud and its shading.
 pub(crate) fn has_a_cloud(picture: &[u8]) -> bool {
     let mut colors: Vec<[u8; 3]> = picture
         .chunks_exact(4)
@@ -317,7 +317,7 @@ impl Screen {
     /// Moves the mouse along `places` while the left button is down.
     pub(crate) fn drag(&self, places: &[[i16; 2]]) {
         const LEFT: u8 = 1;
-        // For a user, a click takes a few frames, and egui sees what changes from one to the next.
+        // For a user, a click takes a few frames, and egui compares one with the next.
         let beat = || std::thread::sleep(Duration::from_millis(120));
         let (first, last) = (places[0], places[places.len() - 1]);
         self.move_to(first);

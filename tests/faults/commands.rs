@@ -4,7 +4,7 @@ use std::fs;
 use std::io::Write as _;
 use std::path::Path;
 
-/// Command lines within the folder of files: a row per way through the readers and writers.
+/// Command lines within the folder of files: one row per path through the readers and writers.
 pub(crate) const CASES: &[&str] = &[
     "info cube.ply",
     "info --json cube.reel",

@@ -1,9 +1,9 @@
 //! Every allocation, and every opening, reading and writing of a file, fails once: nothing panics, nothing is lost, and
-//! what went wrong is said. After the tests of `SQLite`, <https://sqlite.org/testing.html>.
+//! errors are reported. After the tests of `SQLite`, <https://sqlite.org/testing.html>.
 //!
 //! **How it works.** This program is the test and the program under test. As the latter, which it is where the
 //! environment names a fault, it runs the command line of its arguments with the calls of `shim.rs`. As the former it
-//! counts the calls of a command, and runs it again for each of them. Usually some of each kind; with
+//! counts the calls of a command, and runs it again for each of them. By default some of each kind; with
 //! `POINTREEL_FAULTS=all` (`make faults`) all of them.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![allow(clippy::print_stdout, reason = "it has no harness that prints for it")]
@@ -25,6 +25,6 @@ fn main() -> std::process::ExitCode {
     run::all()
 }
 
-/// The calls are those of Linux.
+/// The calls are Linux calls.
 #[cfg(not(target_os = "linux"))]
 fn main() {}

@@ -1,4 +1,4 @@
-//! Runs commands with faults, and says what each has left.
+//! Runs commands with faults, and checks the files that each has left.
 
 use super::commands::{CASES, make_files};
 use super::shim::{FAULT, FOLDER, How, Kind, REPORT};
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Output, Stdio};
 use std::time::{Duration, SystemTime};
 
-/// Places of one kind that are tried per command where not all are.
+/// Number of calls of one kind tried per command where not all are.
 const SOME: u64 = 12;
 
 /// Since 1970, of all files.
@@ -70,7 +70,8 @@ struct Run {
     has_met_its_fault: bool,
 }
 
-/// Runs it in the folder `files` of `scratch`, whose path is the same for every run: what a command prints names it.
+/// Runs it in the folder `files` of `scratch`, whose path is the same for every run: the output of a command contains
+/// it.
 fn run(case: &str, scratch: &Path, before: &Files, fault: &str) -> Run {
     let folder = scratch.join("files");
     let report = scratch.join("report");
@@ -104,7 +105,7 @@ impl Run {
         String::from_utf8_lossy(&self.output.stderr).into_owned()
     }
 
-    /// Whether it is a sequence file that lacks frames, as is said, or what the next run goes on with.
+    /// Returns true if it is a sequence file that lacks frames, as reported, or a file that the next run resumes from.
     fn is_to_go_on(&self, name: &Path, said: &str) -> bool {
         let text = name.to_string_lossy();
         let ledger = PathBuf::from(format!("{}.json", text.trim_end_matches(".json")));
@@ -115,7 +116,7 @@ impl Run {
         self.output.status.code() == Some(1) && (is_unfinished || is_ledger || lacks_frames)
     }
 
-    /// All that is wrong with it, beside the run without a fault.
+    /// All errors in it, compared with the run without a fault.
     fn faults(&self, before: &Files, sound: &Self) -> Vec<String> {
         let said = self.said();
         let mut faults = Vec::new();
@@ -153,7 +154,7 @@ impl Run {
     }
 }
 
-/// Places among `count`: all, or some from the first to the last.
+/// Indices among `count`: all, or some from the first to the last.
 fn places(count: u64) -> Vec<u64> {
     let all = std::env::var("POINTREEL_FAULTS").is_ok_and(|faults| faults == "all");
     if all || count <= SOME {
@@ -162,7 +163,7 @@ fn places(count: u64) -> Vec<u64> {
     (0..SOME).map(|step| step * (count - 1) / (SOME - 1)).collect()
 }
 
-/// Faults of one command: how many were tried, and what was wrong.
+/// Faults of one command: the number tried, and the errors found.
 fn try_case(case: &str, scratch: &Path, before: &Files) -> (usize, Vec<String>) {
     let sound = run(case, scratch, before, "none");
     let mut wrong = Vec::new();

@@ -1,8 +1,8 @@
-//! Calls of the system and of the allocator that fail when they are told to.
+//! Calls of the system and of the allocator that fail on request.
 //!
 //! **How it works.** The functions of C that reading and writing end in are defined here, so that the linker takes them
-//! in place of the library's: the whole program and its libraries go through them, and the program that is shipped
-//! knows nothing of it. Only files in one folder count, so that drivers and settings of the machine are left alone.
+//! instead of the library's: the whole program and its libraries go through them, and the shipped program contains none
+//! of it. Only files in one folder count, so that drivers and settings of the machine are left alone.
 
 use mimalloc::MiMalloc;
 use pointreel::memory::Allocator;
@@ -39,7 +39,7 @@ impl Kind {
     }
 }
 
-/// One call fails, that one and all later ones, or every call does less than it was asked for.
+/// One call fails, that one and all later ones, or every call does less than requested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum How {
     Once,
@@ -69,10 +69,10 @@ static KIND: AtomicU8 = AtomicU8::new(u8::MAX);
 static PLACE: AtomicU64 = AtomicU64::new(u64::MAX);
 static HOW: AtomicU8 = AtomicU8::new(0);
 static PATHS: OnceLock<[CString; 2]> = OnceLock::new();
-/// Of each descriptor, whether its file counts.
+/// A flag per descriptor: its file counts.
 static COUNTED: [AtomicBool; 4096] = [const { AtomicBool::new(false) }; 4096];
 
-/// Reads what is to fail from the environment; whether there is anything.
+/// Reads the requested fault from the environment; returns false if there is none.
 pub(crate) fn arm() -> bool {
     let Ok(fault) = std::env::var(FAULT) else {
         return false;
@@ -92,7 +92,7 @@ pub(crate) fn arm() -> bool {
     true
 }
 
-/// Writes how many calls of each kind there were.
+/// Writes the number of calls of each kind.
 pub(crate) fn report() {
     IS_ARMED.store(false, Relaxed);
     let counts = COUNTS.each_ref().map(|count| count.load(Relaxed).to_string());
@@ -103,7 +103,7 @@ fn how() -> How {
     How::ALL[usize::from(HOW.load(Relaxed))]
 }
 
-/// Counts a call, and says whether it is to fail.
+/// Counts a call, and returns whether it is to fail.
 fn fails(kind: Kind) -> bool {
     if !IS_ARMED.load(Relaxed) {
         return false;
@@ -209,7 +209,7 @@ mod calls {
     }
 
     /// # Safety
-    /// As the function of C; what it takes for a file that is made is given always.
+    /// As the function of C; the mode of a created file is always passed.
     #[unsafe(no_mangle)]
     pub(super) unsafe extern "C" fn open64(path: *const c_char, flags: c_int, mode: mode_t) -> c_int {
         // SAFETY: guaranteed by the caller.

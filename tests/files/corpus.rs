@@ -1,6 +1,6 @@
-//! Files that other programs wrote, against what other readers make of them. Prints the score.
+//! Files that other programs wrote, compared with the results of other readers. Prints the score.
 //!
-//! The files lie beside the project, not in it.
+//! The files are next to the project, not in it.
 
 #![allow(
     clippy::print_stdout,
@@ -31,7 +31,7 @@ fn vector(value: &Value) -> Option<[f64; 3]> {
     ])
 }
 
-/// What differs between a cloud and what is expected of it.
+/// Differences between a cloud and the expected values.
 fn differences(cloud: &RawCloud, expected: &Value, points: &str, finite: &str) -> Vec<String> {
     let (finite_points, bounds) = cloud.positions.finite_bounds();
     let mut differences = Vec::new();

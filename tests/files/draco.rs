@@ -1,4 +1,4 @@
-//! Draco files written by the crate's encoder: clouds, meshes, and what is left of them when they are damaged.
+//! Draco files written by the crate's encoder: clouds, meshes, and the remains of damaged ones.
 
 use draco_core::mesh_encoder::MeshEncoder;
 use draco_core::{

@@ -1,4 +1,4 @@
-//! E57 files written by the crate, and what is read of them: several scans, poses, invalid points, damaged files.
+//! E57 files written by the crate, and the clouds read from them: several scans, poses, invalid points, damaged files.
 
 use e57::{
     DateTime, E57Writer, Extension, PointCloudWriter, Quaternion, Record, RecordDataType, RecordName, RecordValue,
@@ -71,7 +71,7 @@ fn positions(cloud: &RawCloud) -> &[[f64; 3]] {
     }
 }
 
-/// A quarter of a turn about z, and then by (10, 20, 30).
+/// A rotation by 90° about z, and then by (10, 20, 30).
 fn pose() -> Transform {
     let half = std::f64::consts::FRAC_1_SQRT_2;
     Transform {
@@ -252,7 +252,7 @@ fn replace(mut bytes: Vec<u8>, from: &str, to: &str) -> Vec<u8> {
     bytes
 }
 
-/// Two points, one field of which has no bits.
+/// Two points with one field of zero bits.
 fn small() -> Vec<u8> {
     let mut prototype = xyz();
     prototype.push((RecordName::Intensity, integer(5, 5)));
@@ -306,7 +306,7 @@ fn declared_sizes_are_checked_against_the_file() {
     let error = with("cartesianX", "cartesianx").unwrap_err();
     assert!(error.to_string().contains("no coordinates"), "{error}");
 
-    // Fields that are said to be constant have no bits: no byte of the file vouches for the number of points.
+    // Fields that are declared constant have no bits: no byte of the file vouches for the number of points.
     for (count, is_read) in [(3, true), (100_000, false)] {
         let axes = [RecordName::CartesianX, RecordName::CartesianY, RecordName::CartesianZ];
         let prototype = axes.map(|name| (name, integer(4, 5)));
@@ -328,6 +328,6 @@ fn a_deeply_nested_description_is_handled() {
     let nest = |xml: String| Ok(xml.replace("</e57Root>", &format!("{nested}</e57Root>")));
     writer.finalize_customized_xml(nest).unwrap();
     drop(writer);
-    // Either answer will do, an overflow of the stack would not.
+    // Either result is fine, a stack overflow is not.
     let _ = read(&bytes.into_inner()).is_ok();
 }

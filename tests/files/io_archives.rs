@@ -1,4 +1,4 @@
-//! Archives written here: what is listed, what is read, and what is refused.
+//! Archives written here: listing, reading, and refusals.
 
 use pointreel::io::{self, ReadOptions};
 use std::io::{Cursor, Write as _};
@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use zip::CompressionMethod;
 use zip::write::SimpleFileOptions;
 
-/// What goes into every archive: what is no frame, and clouds of 2, 1 and 3 points, out of order.
+/// Contents of every archive: files that are not frames, and clouds of 2, 1 and 3 points, out of order.
 const FILES: [(&str, &str); 8] = [
     ("run/frame_10.xyz", "1 2 3\n4 5 6\n7 8 9\n"),
     ("run/frame_2.XYZ", "1 2 3\n"),

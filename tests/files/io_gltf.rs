@@ -301,7 +301,7 @@ fn colors_come_from_vertices_materials_and_textures() {
     let transform = json!({"KHR_texture_transform": {"offset": [0.5, 0.0], "scale": [1.0, 1.0]}});
     model.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"] = transform;
     assert_eq!(model.read().attributes.colors.unwrap()[0], texels[1]);
-    // When faces are drawn, the texture is separate, and colours are those of the material alone.
+    // When faces are drawn, the texture is separate, and colours come from the material alone.
     model.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = json!([1.0, 0.5, 1.0, 1.0]);
     let mesh = model.pose(0.0, &ReadOptions::default().of_meshes());
     assert_eq!(mesh.attributes.colors.unwrap(), [[255, 188, 255, 255]; 4]);
@@ -424,7 +424,7 @@ fn a_damaged_animation_fails_once() {
     let options = ReadOptions::default();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.gltf");
-    // A hundred thousand poses, and an array that is too short for each of them.
+    // 100,000 poses, and an array that is too short for each of them.
     let mut damaged = moving("CUBICSPLINE", &[[0.0; 3], [2.0, 0.0, 0.0]]);
     let times = damaged.floats("SCALAR", &[[1.0], [3e30]]);
     damaged.json["animations"][0]["samplers"][0]["input"] = json!(times);
@@ -630,11 +630,11 @@ fn nearest(point: DVec3, [a, b, c]: [DVec3; 3]) -> (DVec3, f64) {
 /// Points that another program put on the surface of each pose lie on it as this one poses the model, all of them.
 #[test]
 fn a_walking_man_has_the_pose_of_another_program() {
-    /// Of the points of a frame: one in so many.
+    /// One in this many points of a frame.
     const STEP: usize = 50;
     const FRAMES: [usize; 5] = [0, 5, 11, 17, 23];
-    /// The man is 1.5 high: single precision rounds a place by up to 6e-8 along each axis, 1.03e-7 in all, and both a
-    /// point of the sequence and the surface are rounded. The farthest of all was measured 1.3e-7 away.
+    /// The man is 1.5 high: single precision rounds a position by up to 6e-8 along each axis, 1.03e-7 in all, and both
+    /// a point of the sequence and the surface are rounded. The farthest of all was measured 1.3e-7 away.
     const TOLERANCE: f64 = 2.1e-7;
     let (Some(model), Some(sequence)) = (shared("models/CesiumMan.glb"), shared("sequences/cesiumman_24fps")) else {
         return;

@@ -94,7 +94,7 @@ fn ply_faces_of_every_index_type_and_encoding_are_read() {
     }
 }
 
-/// What is said of a file whose points are all there and whose faces are not.
+/// The message for a file whose points are complete and whose faces are not.
 fn warning_of_square(file: &[u8]) -> String {
     let cloud = read("a.ply", file);
     assert_eq!(positions(&cloud), SQUARE);
@@ -461,7 +461,7 @@ fn meshes_are_sampled_on_request() {
     );
 }
 
-/// A strip of triangles in a row: nine of them, of which the fifth names a vertex that is not there.
+/// A strip of triangles in a row: nine of them; the fifth names a vertex that does not exist.
 fn row_of_triangles(head: &str, places: std::ops::Range<usize>) -> String {
     let vertices: Vec<String> = (0..10).map(|index| format!("{index} {} 0\n", index % 2)).collect();
     let corner = |index: usize| if index == 6 { 66 } else { index + 2 };

@@ -1,4 +1,4 @@
-//! How far reading is, and its end when nobody waits for it any more.
+//! Progress of reading, and its end when it is no longer needed.
 
 use e57::{E57Writer, Record, RecordValue};
 use pointreel::cloud::{Positions, RawCloud};
@@ -51,7 +51,7 @@ fn gzip(bytes: &[u8]) -> Vec<u8> {
     packed.finish().unwrap()
 }
 
-/// A file of every way in which readers say how far they are.
+/// One file for every method by which readers report progress.
 fn files(folder: &Path) -> Vec<PathBuf> {
     let ascii_pcd = (0..POINTS).fold(
         format!(

@@ -26,7 +26,7 @@ fn near(found: Vec3, expected: Vec3, within: f32) {
     assert!((found - expected).length() < within, "{found} for {expected}");
 }
 
-/// Directions may be either way round.
+/// Directions may have either sign.
 fn along(found: Vec3, expected: Vec3) {
     assert!(found.dot(expected).abs() > 0.999, "{found} for {expected}");
 }
@@ -110,7 +110,7 @@ fn spz_arrays(version: u32) -> [Vec<u8>; 5] {
     ]
 }
 
-/// The same two splats as version 4 has them, with harmonics and a record of a vendor, which nobody here knows.
+/// The same two splats as version 4 stores them, with harmonics and an unknown record of a vendor.
 fn spz_of_streams() -> Vec<u8> {
     let harmonics = vec![128; 2 * 9];
     let streams = [&spz_arrays(4)[..], &[harmonics]].concat();
@@ -246,7 +246,7 @@ fn bare_splat_records_are_read() {
     survives_damage("a.splat", &file);
 }
 
-/// Packed splats; the last one is the first of a second chunk.
+/// Packed splats; the last one is the first of another chunk.
 fn packed(count: usize, has_colors: bool, word: impl Fn(usize) -> [u32; 4]) -> Vec<u8> {
     let mut names: Vec<String> = Vec::new();
     for (kind, axes) in [("", "xyz"), ("scale_", "xyz"), ("", "rgb")] {

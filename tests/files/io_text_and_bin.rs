@@ -1,4 +1,4 @@
-//! Text as people have it, PTX scans and bare records, with known answers.
+//! Text as found in practice, PTX scans and bare records, with known answers.
 
 use pointreel::cloud::RawCloud;
 use pointreel::io::{self, ColumnMap, IoError, Part, ReadOptions, read_part};

@@ -1,4 +1,4 @@
-//! What is written is read back equal, as far as the format holds it.
+//! Written clouds are read back equal, as far as the format holds them.
 
 use glam::DVec3;
 use pointreel::assumption::{Evidence, Subject};
@@ -71,7 +71,7 @@ prop_compose! {
     }
 }
 
-/// `read` as the precision of `original`, where a format says nothing of it.
+/// `read` as the precision of `original`, where a format does not define it.
 fn as_precise(read: &Positions, original: &Positions) -> Positions {
     match (read, original) {
         (Positions::F64(read), Positions::F32(_)) => {

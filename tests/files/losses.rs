@@ -1,4 +1,4 @@
-//! A property: whatever a cloud has is in the file that is written of it, or a line says that it is not.
+//! A property: everything in a cloud is in the file written from it, or a line reports its loss.
 
 use glam::Vec3;
 use pointreel::cloud::{Ellipse, ImageGrid, Positions, RawCloud, ScalarField};
@@ -172,7 +172,7 @@ fn losses_of_many_frames_take_one_line_per_kind() {
     );
 }
 
-/// What is lost of `file` although `format` could hold it, as one text.
+/// The data of `file` that is lost although `format` could hold it, as one text.
 fn dropped(name: &str, file: &str, format: &str) -> String {
     let cloud = io::read_bytes(&PathBuf::from(name), file.as_bytes()).unwrap_or_else(|error| panic!("{error}"));
     let format: WriteFormat = format.parse().unwrap_or_else(|error| panic!("{error}"));

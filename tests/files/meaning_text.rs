@@ -1,5 +1,5 @@
-//! Text tables, bare binary columns and their kin as other programs write them: right values, or a refusal that says
-//! what to do. Inputs of `shared/data/meaning`, and neighbours that are written here.
+//! Text tables, bare binary columns and their kin as other programs write them: right values, or a refusal that names
+//! the remedy. Inputs of `shared/data/meaning`, and neighbours that are written here.
 
 use super::data::shared;
 use pointreel::assumption::{Evidence, Subject};

@@ -47,7 +47,7 @@ fn frames() -> Vec<(PathBuf, Frame)> {
 }
 
 #[test]
-fn octrees_hold_the_cells_of_their_points() {
+fn octrees_contain_the_cells_of_their_points() {
     let frames = frames();
     assert!(!frames.is_empty(), "the demo at least");
     for (path, frame) in frames {
@@ -75,14 +75,14 @@ fn octrees_hold_the_cells_of_their_points() {
                 path.display()
             );
             assert_eq!(tree.leaf_count(), count);
-            // No frame here has so many duplicates that δ could not be kept.
+            // No frame here has too many duplicates for δ to be met.
             assert!(tree.loss() <= delta, "{}", path.display());
         }
     }
 }
 
 #[test]
-fn surfaces_are_defined_and_close_knit() {
+fn surfaces_are_defined_and_gapless() {
     for (path, frame) in frames() {
         let surface = estimate_surface(frame.positions(), frame.sensor());
         assert!(
@@ -98,7 +98,7 @@ fn surfaces_are_defined_and_close_knit() {
     }
 }
 
-/// Points are close if they are among each other's so many nearest.
+/// Points are close if they are among each other's nearest points, this many.
 const CLOSE: usize = 6;
 
 /// Points whose disks may cover a triangle; leaving out those farther away can only make more holes.
@@ -111,11 +111,11 @@ const OPEN: f64 = 0.002;
 /// Rays that must find one when disks have a quarter of their radius, or the test would see none at all.
 const OPEN_AT_A_QUARTER: f64 = 0.05;
 
-/// Share of rays that hit the surface but no disk of `scale` times its radius.
+/// Fraction of rays that hit the surface but no disk of `scale` times its radius.
 ///
-/// Where the surface of a scan is, is known only between points; so it is taken to be the triangles whose corners are
-/// all close to each other. A ray goes through the middle of each, along the mean of the normals of its corners. It
-/// hits a disk around it no farther from the triangle than the disk's radius, unless the disk is seen from its edge.
+/// The surface of a scan is known only between points; so it is taken to be the triangles whose corners are all close
+/// to each other. A ray goes through the centre of each, along the mean of the normals of its corners. It hits a disk
+/// around it no farther from the triangle than the disk's radius, unless the disk is seen edge-on.
 fn open_share(positions: &[Vec3], surface: &Surface, lists: &Neighbours, scale: f32) -> f64 {
     let knows = |point: u32, other: u32| lists.of(point as usize)[..CLOSE].contains(&other);
     let know_each_other = |a, b| knows(a, b) && knows(b, a);
@@ -124,14 +124,14 @@ fn open_share(positions: &[Vec3], surface: &Surface, lists: &Neighbours, scale: 
         let near = &lists.of(point as usize)[..CLOSE];
         for (place, &a) in near.iter().enumerate() {
             for &b in &near[place + 1..] {
-                // Each triangle at its first corner.
+                // Each triangle is counted at its first corner.
                 let is_first = point < a && point < b;
                 let is_surface = know_each_other(point, a) && know_each_other(point, b) && know_each_other(a, b);
                 if !(is_first && is_surface) {
                     continue;
                 }
                 let [p, q, r] = [point, a, b].map(|corner| positions[corner as usize]);
-                // Normals may face either way where there is no sensor and no closed surface.
+                // Normals may have either sign if there is no sensor and no closed surface.
                 let first = surface.normals[point as usize];
                 let direction = [a, b].into_iter().fold(first, |sum, corner| {
                     let normal = surface.normals[corner as usize];

@@ -81,7 +81,7 @@ fn opened(path: &Path) -> Sequence {
     Sequence::discover(&[path.to_owned()]).unwrap()
 }
 
-/// Coordinates and colours of every frame, each as a sorted list, since the order is not kept.
+/// Coordinates and colours of every frame, each as a sorted list, since the order is not preserved.
 fn contents(sequence: &Sequence) -> Vec<Vec<([u32; 3], [u8; 4])>> {
     let frame = |index: usize| {
         let cloud = sequence.decode(index).unwrap();
@@ -308,12 +308,12 @@ fn a_truncated_file_is_shown_as_far_as_possible_with_a_warning() {
     assert!(!output.status.success() || !output.stderr.is_empty());
 }
 
-/// Runs `work` beside the test.
+/// Runs `work` in parallel with the test.
 fn beside<T: Send + 'static>(name: &str, work: impl FnOnce() -> T + Send + 'static) {
     thread::Builder::new().name(name.to_owned()).spawn(work).unwrap();
 }
 
-/// Serves `path` until the end of the test, and says where.
+/// Serves `path` until the end of the test, and returns its address.
 fn served(path: &Path) -> String {
     let server = FileServer::bind(path, "127.0.0.1:0".parse().unwrap(), FileServerOptions::default()).unwrap();
     let url = server.url().unwrap();
@@ -340,7 +340,7 @@ fn a_file_on_the_web_is_a_sequence_like_any_other() {
     }
 }
 
-/// Forwards connections to `address`, each of which breaks after `max_bytes` of answers.
+/// Forwards connections to `address`, each of which is cut after `max_bytes` of answers.
 fn breaking_proxy(address: String, max_bytes: usize) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let own = listener.local_addr().unwrap().to_string();

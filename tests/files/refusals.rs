@@ -1,4 +1,4 @@
-//! Files and folders that are not read: messages name them, the programs that write them, and what converts them.
+//! Files and folders that are not read: messages name them, the programs that write them, and converters.
 
 use crate::data::shared;
 use pointreel::io::{self, ReadOptions};

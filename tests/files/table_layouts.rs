@@ -1,4 +1,4 @@
-//! Layouts of tables and arrays that are easily mistaken for others: read as what they are, or refused by name.
+//! Layouts of tables and arrays that are easily mistaken for others: read correctly, or refused by name.
 
 use pointreel::assumption::{Evidence, Subject};
 use pointreel::cloud::RawCloud;

@@ -1,5 +1,5 @@
 //! Cases: files that are tried together. A fresh one is made from seeds and a number, so that the number is enough to
-//! make it again; others are kept in a corpus.
+//! make it again; others are stored in a corpus.
 
 use crate::kinds::{FOLDERS, kind_of};
 use crate::nested::mutate_file;
@@ -15,7 +15,7 @@ pub(crate) struct Case {
 }
 
 impl Case {
-    /// Writes it into a folder that is made anew. Returns what is to be opened.
+    /// Writes it into a new folder. Returns the path to open.
     pub(crate) fn write(&self, folder: &Path) -> PathBuf {
         // It may not exist.
         let _ = std::fs::remove_dir_all(folder);
@@ -52,7 +52,7 @@ fn files_below(folder: &Path) -> Vec<(String, Vec<u8>)> {
     files
 }
 
-/// What is kept in `folder`: a folder for each set, in it a file for each case, or a folder where it has several.
+/// The corpus in `folder`: a folder per set, in it a file per case, or a folder where a case has several.
 pub(crate) fn retained_in(folder: &Path) -> Vec<Case> {
     let mut cases: Vec<Case> = Vec::new();
     for (path, bytes) in files_below(folder) {

@@ -1,5 +1,5 @@
-//! The process that tries cases, and may die of one. It says what it does in a file, a line each, which its parent
-//! reads (`runner.rs`).
+//! The process that tries cases, and may die of one. It reports each step as a line of a file, which its parent reads
+//! (`runner.rs`).
 
 use crate::cases::{Case, fresh, retained_in};
 use crate::drive::Way;
@@ -20,17 +20,17 @@ const STACK_BYTES: usize = 8 << 20;
 /// Crates whose panics the readers catch.
 const CAUGHT: [&str; 2] = ["laz::", "draco_core::"];
 
-/// Frames of a backtrace that are told.
+/// Maximum number of reported frames of a backtrace.
 const MAX_FRAMES: usize = 4;
 
-/// What a child is to do.
+/// The order for a child.
 #[derive(Debug, Clone)]
 pub(crate) struct Order {
     /// Seeds, or a corpus that is tried as it is.
     pub(crate) folder: PathBuf,
     /// Sets that take turns; none of a corpus.
     pub(crate) sets: Vec<String>,
-    /// What all random choices begin with.
+    /// Seed of all random choices.
     pub(crate) run: u64,
     /// The first case, and the one behind the last.
     pub(crate) numbers: std::ops::Range<u64>,
@@ -61,7 +61,7 @@ impl Order {
         }
     }
 
-    /// The file in which a child says what it does.
+    /// The report file of a child.
     pub(crate) fn report(&self) -> PathBuf {
         self.scratch.join("report")
     }
@@ -88,7 +88,7 @@ impl Report {
         writeln!(file, "{line}").unwrap();
     }
 
-    /// Says what a panic was, unless a reader catches it: damage is what the crates of these formats panic at.
+    /// Reports a panic, unless a reader catches it: the crates of these formats panic at damage.
     fn panicked(&self, panic: &PanicHookInfo<'_>) {
         let backtrace = Backtrace::force_capture().to_string();
         let frames = backtrace
@@ -107,7 +107,7 @@ impl Report {
     }
 }
 
-/// Does what the environment says.
+/// Carries out the order in the environment.
 pub(crate) fn work(order: Order) {
     let report = File::options().create(true).append(true).open(order.report()).unwrap();
     let report = Report(Arc::new(Mutex::new(report)));

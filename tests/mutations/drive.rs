@@ -1,4 +1,4 @@
-//! The ways that a file of a stranger goes: the verbs of the command line, and the window with its background loader.
+//! Paths of an untrusted file through the program: the commands, and the window with its background loader.
 
 use crate::kinds::{FAULTS, SETTINGS, STREAMS};
 use pointreel::app::{Preferences, PreferencesFile, Presets, Recent, State, StateOptions};
@@ -13,16 +13,16 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// What reading may take (`--max-memory`).
+/// Memory limit of reading (`--max-memory`).
 pub(crate) const MAX_MEMORY_BYTES: u64 = 256 << 20;
 
 /// Memory for prepared frames in the window.
 const BUDGET_BYTES: usize = 64 << 20;
 
-/// A window that shows nothing after so long is left: that is no fault by itself.
+/// A window that shows nothing after this time is closed: that is not a fault by itself.
 const LOOK: Duration = Duration::from_secs(3);
 
-/// A way.
+/// A path through the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Way {
     Info,
@@ -33,12 +33,12 @@ pub(crate) enum Way {
     Settings,
     /// From a server on this machine, as a live stream.
     Connect,
-    /// Does what is wrong, to be found.
+    /// Commits a fault, to be found.
     Fault,
 }
 
 impl Way {
-    /// Those of a set.
+    /// Paths of a set.
     pub(crate) fn of_set(set: &str) -> &'static [Self] {
         if set == SETTINGS {
             &[Self::Settings]
@@ -71,7 +71,7 @@ impl Way {
         }
     }
 
-    /// Goes it with `input`. Outputs come into `scratch`; `number` chooses among those that there are.
+    /// Runs it with `input`. Outputs go to `scratch`; `number` chooses among those available.
     pub(crate) fn go(self, input: &Path, scratch: &Path, number: u64) {
         let picture = scratch.join("picture.png");
         // A sequence file, single frames in a folder, or one frame.
@@ -115,7 +115,7 @@ fn options(preferences: Preferences) -> StateOptions {
     }
 }
 
-/// Opens `input` as a window does, looks at it, and plays a little.
+/// Opens `input` as a window does, waits until it is shown, and plays a little.
 fn window(input: &Path) {
     let mut state = State::new(options(Preferences::default()));
     state.open_paths(vec![input.to_owned()]);
@@ -129,7 +129,7 @@ fn window(input: &Path) {
     play(&mut state, now);
 }
 
-/// Whether there is something to see, or never will be.
+/// Returns true if something is shown, or never will be.
 fn has_settled(state: &State) -> bool {
     let is_shown = state.player.as_ref().is_some_and(|player| player.shown().is_some());
     state.opening.failed.is_some() || state.opening.session_question.is_some() || is_shown && state.has_looked()
@@ -143,7 +143,7 @@ fn play(state: &mut State, mut now: Duration) {
     }
 }
 
-/// Sends `input` to a client, which shows the frames that came.
+/// Sends `input` to a client, which shows the frames received.
 fn connect(input: &Path) {
     let bytes = std::fs::read(input).unwrap();
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
@@ -174,7 +174,7 @@ fn connect(input: &Path) {
     server.join().unwrap();
 }
 
-/// Does what the name of `input` says.
+/// Commits the fault that `input` is named after.
 fn fault(input: &Path) {
     match input.file_stem().unwrap().to_str().unwrap() {
         "panics" => panic!("as asked for"),

@@ -1,4 +1,4 @@
-//! What is mutated: a row for each kind of file. Kinds of one set take turns in it.
+//! Mutated files: one row per kind. Kinds of one set take turns in it.
 
 use crate::mutate::Shape::{self, Binary, Json, Text, TextHead};
 use crate::repair::Repair;
@@ -22,7 +22,7 @@ const fn kind(set: &'static str, extension: &'static str, shape: Shape, repair: 
     }
 }
 
-/// What is read as a file. Settings are read by the window alone (`drive.rs`).
+/// Kinds that are read as a file. Settings are read by the window alone (`drive.rs`).
 pub(crate) const KINDS: &[Kind] = &[
     kind("reel", "reel", Binary, Repair::Reel),
     kind(STREAMS, "pointreel-stream", Binary, Repair::Stream),
@@ -97,7 +97,7 @@ pub(crate) fn extension_of(name: &str) -> String {
         .to_ascii_lowercase()
 }
 
-/// What a file of this name is in a set.
+/// The kind of a file of this name in a set.
 pub(crate) fn kind_of(set: &str, name: &str) -> Kind {
     let extension = extension_of(name);
     let own = KINDS.iter().filter(|kind| kind.set == set);

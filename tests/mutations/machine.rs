@@ -1,11 +1,11 @@
-//! What a process has used of the machine, where the system says so (Linux).
+//! Resources used by a process, where the system reports them (Linux).
 
 use std::time::Duration;
 
 /// Ticks of the times in `/proc/…/stat` per second, on every Linux that Rust supports.
 const TICKS_PER_S: u64 = 100;
 
-/// Time that a process has computed: unlike that of a clock, it does not count what other programs do.
+/// Time that a process has computed: unlike wall time, it does not count other programs.
 pub(crate) fn computed(pid: u32) -> Option<Duration> {
     let stat = std::fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
     // The name of the program, in parentheses, may contain spaces.
@@ -31,7 +31,7 @@ pub(crate) fn peak_bytes() -> Option<u64> {
     status_bytes("self", "VmHWM:")
 }
 
-/// From now on [`peak_bytes`] counts anew.
+/// Resets [`peak_bytes`].
 pub(crate) fn forget_peak() {
     // Without it the peak includes all previous cases: a finding is still reported with the case that caused it.
     let _ = std::fs::write("/proc/self/clear_refs", "5");

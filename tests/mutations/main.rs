@@ -1,8 +1,8 @@
 //! Files of strangers, through `info`, `check`, `render`, `convert` and the window: files of every format are changed,
 //! and their checksums made right again. A panic, more than ten seconds or more memory than was allowed is a finding.
 //!
-//! `make test` tries what was found before (`tests/data/hostile`) and a few new cases; `make fuzz` goes on for as long
-//! as it is told (`rounds`).
+//! `make test` tries earlier findings (`tests/data/hostile`) and a few new cases; `make fuzz` runs for a given time
+//! (`rounds`).
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helpers too")]
 
@@ -32,7 +32,7 @@ fn corpus() -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/hostile")
 }
 
-/// What a child does; see `runner.rs`.
+/// The work of a child; see `runner.rs`.
 #[test]
 #[ignore = "the other tests of this program start it"]
 fn child() {
@@ -41,7 +41,7 @@ fn child() {
     }
 }
 
-/// What `make fuzz` runs; see `rounds.rs`.
+/// The work of `make fuzz`; see `rounds.rs`.
 #[test]
 #[ignore = "goes on for as long as it is told"]
 fn rounds() {
@@ -149,7 +149,7 @@ fn checksum_repairs_fix_only_what_is_wrong() {
     assert!(tried.len() > 5, "{tried:?}");
 }
 
-/// Where headers of chunks have their checksums.
+/// Offsets of checksums in headers of chunks.
 fn reel_checksums(bytes: &[u8]) -> Vec<usize> {
     let windows = bytes.windows(4).enumerate();
     let starts = windows.filter_map(|(place, window)| (window == b"\xf1rlc").then_some(place));

@@ -1,4 +1,4 @@
-//! Files within files: what is packed is changed before it is packed, since hardly any change of packed bytes can be
+//! Files within files: the contents are changed before they are packed, since hardly any change of packed bytes can be
 //! unpacked.
 
 use crate::kinds::{Kind, kind_of};
@@ -67,7 +67,7 @@ fn in_zip(bytes: &[u8], random: &mut Random) -> Option<Vec<u8>> {
     Some(packing.finish().ok()?.into_inner())
 }
 
-/// The description, which says what the rest is.
+/// The description, which defines the rest.
 fn in_glb(bytes: &[u8], random: &mut Random) -> Option<Vec<u8>> {
     const HEAD_BYTES: usize = 20;
     let count = u32::from_le_bytes(bytes.get(12..16)?.try_into().ok()?) as usize;

@@ -1,11 +1,11 @@
 //! Random numbers that are the same everywhere (SplitMix64): a case is known by the number it was made from.
 
-/// What random choices are taken from.
+/// Source of random choices.
 #[derive(Debug, Clone)]
 pub(crate) struct Random(u64);
 
 impl Random {
-    /// Those of a run and of a case of it.
+    /// The choices of a run and of one of its cases.
     pub(crate) fn of(run: u64, case: u64) -> Self {
         let mut random = Self(run);
         random.0 ^= random.next().wrapping_add(case.wrapping_mul(0xd134_2543_de82_ef95));
@@ -25,7 +25,7 @@ impl Random {
         (self.next() % count.max(1) as u64) as usize
     }
 
-    /// Whether what happens once in `count` times happens now.
+    /// Returns true once in `count` times.
     pub(crate) fn one_in(&mut self, count: usize) -> bool {
         self.below(count) == 0
     }

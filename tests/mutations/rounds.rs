@@ -1,8 +1,8 @@
-//! Long runs, in rounds over all sets: what is found is made small and kept, and a table says what was done.
+//! Long runs, in rounds over all sets: findings are minimised and saved, and a table lists the work done.
 //!
-//! Told by the environment, as `scripts/fuzz.sh` does: `MUTATIONS_SECONDS`, `MUTATIONS_SETS` (names with commas
-//! between; default: all), `MUTATIONS_SEEDS` (folders, parted as in `PATH`), `MUTATIONS_RUN` (a number that other cases
-//! come of; default: the time), `MUTATIONS_FOUND` (the folder that findings are kept in; default: `fuzz/found`).
+//! Configured by the environment, as `scripts/fuzz.sh` does: `MUTATIONS_SECONDS`, `MUTATIONS_SETS` (names with commas
+//! between; default: all), `MUTATIONS_SEEDS` (folders, separated as in `PATH`), `MUTATIONS_RUN` (a seed for other
+//! cases; default: the time), `MUTATIONS_FOUND` (the folder for findings; default: `fuzz/found`).
 
 use crate::cases::{Case, retained_in};
 use crate::child::Order;
@@ -39,7 +39,7 @@ fn told(name: &str) -> Option<String> {
     std::env::var(name).ok().filter(|value| !value.is_empty())
 }
 
-/// What all rounds came to, by set.
+/// Totals of all rounds, by set.
 #[derive(Debug, Default)]
 struct Sum {
     cases: u64,
@@ -95,7 +95,7 @@ pub(crate) fn run() {
 struct Rounds {
     order: Order,
     retained: Vec<Case>,
-    /// Keys of findings that are kept.
+    /// Keys of saved findings.
     known: BTreeSet<String>,
     found: PathBuf,
     sums: BTreeMap<String, Sum>,
@@ -127,7 +127,7 @@ impl Rounds {
         }
     }
 
-    /// Makes a finding small, and writes it and what is known of it.
+    /// Minimises a finding, and writes it and its description.
     fn keep(&self, finding: &Finding) {
         let Some((Some(seed), case)) = self.order.case(&self.retained, finding.number) else {
             return;
@@ -141,7 +141,7 @@ impl Rounds {
         say(&format!("found: {told}"));
     }
 
-    /// The case with as few changes as still come to the same finding.
+    /// The case with the fewest changes that give the same finding.
     fn smaller(&self, seed: &Case, case: Case, finding: &Finding) -> Case {
         let mut small = case;
         // Each attempt with these takes ten seconds.
@@ -218,7 +218,7 @@ impl Rounds {
     }
 }
 
-/// Where files of one length differ, a run each; nothing of others.
+/// Runs in which files of one length differ; none for others.
 fn differences(before: &[u8], after: &[u8]) -> Vec<std::ops::Range<usize>> {
     let mut runs: Vec<std::ops::Range<usize>> = Vec::new();
     if before.len() != after.len() {

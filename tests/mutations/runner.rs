@@ -1,4 +1,4 @@
-//! Runs children and watches them: what they do wrong is a finding.
+//! Runs children and watches them: their faults are findings.
 
 use crate::child::{ORDER, Order};
 use crate::drive::MAX_MEMORY_BYTES;
@@ -8,18 +8,18 @@ use std::fs::File;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// What a way may compute.
+/// CPU time limit of a path.
 const MAX_COMPUTED: Duration = Duration::from_secs(10);
 
-/// What a way may take when it computes nothing, on a machine that has other things to do.
+/// Time limit of a path that computes nothing, on a busy machine.
 const MAX_WAITED: Duration = Duration::from_mins(3);
 
-/// What a process may take above `--max-memory`.
+/// Memory limit of a process above `--max-memory`.
 const MEMORY_ABOVE_BYTES: u64 = 200 << 20;
 
 const MAX_RESIDENT_BYTES: u64 = MAX_MEMORY_BYTES + MEMORY_ABOVE_BYTES;
 
-/// What is wrong with a case.
+/// A fault of a case.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Finding {
     pub(crate) number: u64,
@@ -29,7 +29,7 @@ pub(crate) struct Finding {
 }
 
 impl Finding {
-    /// The same for two findings of the same fault.
+    /// A key that is equal for two findings of the same fault.
     pub(crate) fn key(&self) -> String {
         let way = if self.reason.starts_with("panic") {
             ""
@@ -41,13 +41,13 @@ impl Finding {
     }
 }
 
-/// What came of an order.
+/// Outcome of an order.
 #[derive(Debug, Default)]
 pub(crate) struct Outcome {
-    /// Ways that were gone, by set.
+    /// Paths that were run, by set.
     pub(crate) executions: BTreeMap<String, u64>,
     pub(crate) findings: Vec<Finding>,
-    /// The most that a way computed, ms, and the most memory.
+    /// Maximum CPU time of a path, ms, and maximum memory.
     pub(crate) max: BTreeMap<String, (u64, u64)>,
 }
 
@@ -56,14 +56,14 @@ struct Watched {
     child: Child,
     /// Bytes of the report that were read.
     read: usize,
-    /// The way that it goes: case, name, set.
+    /// The path that it runs: case, name, set.
     way: Option<(u64, String, String)>,
     since: Instant,
     computed_before: Duration,
     has_ended: bool,
 }
 
-/// Has an order carried out, by as many processes as it takes.
+/// Has an order carried out, by as many processes as needed.
 pub(crate) fn carry_out(order: &Order) -> Outcome {
     let mut outcome = Outcome::default();
     let mut order = order.clone();
@@ -133,7 +133,7 @@ impl Watched {
         }
     }
 
-    /// What it takes too much of.
+    /// The resource that it exceeds.
     fn excess(&self) -> Option<String> {
         let pid = self.child.id();
         let computed = machine::computed(pid)

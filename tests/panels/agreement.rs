@@ -1,4 +1,4 @@
-//! The window and headless pictures run one list of stages: their packets hold the same.
+//! The window and headless rendering run one list of stages: their packets are equal.
 
 use super::{options, sequence, state_on};
 use pointreel::app::State;
@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 const SIZE_PX: [u32; 2] = [160, 120];
 
-/// A frame in the middle, so that there are others on both sides.
+/// A frame with others on both sides.
 const INDEX: usize = 5;
 
 /// All that is drawn; arrays by their values, as the allocations are others.

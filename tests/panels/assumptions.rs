@@ -1,4 +1,4 @@
-//! Assumptions: the chip, the list, its alternatives, and what is remembered.
+//! Assumptions: the chip, the list, its alternatives, and remembered choices.
 
 use super::until;
 use super::walk::{options, sequence};
@@ -51,7 +51,7 @@ fn source_of(state: &State) -> *const Sequence {
 }
 
 /// Clicks, and waits until the inputs are open again.
-/// Clicks what may be further down in the list.
+/// Clicks an item that may be further down in the list.
 fn click(harness: &mut Harness<'_, State>, label: &str) {
     harness.get_by_role_and_label(Role::Button, label).scroll_to_me();
     harness.run();

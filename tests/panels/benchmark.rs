@@ -113,7 +113,7 @@ fn a_benchmark_is_cancelled_or_fails_with_its_reason() {
     assert!(harness.query_by_label("the GPU is out of memory").is_some());
 }
 
-/// A way to draw that takes so long and is so wrong.
+/// A render mode with this time and error.
 fn point(draw_ms: f64, flip: f64, style: Settings) -> Arc<LabPoint> {
     Arc::new(LabPoint {
         sequence: "demo".to_owned(),
@@ -333,7 +333,7 @@ fn corners() -> RawCloud {
     RawCloud::from_positions(Positions::F32(corners.chain(near).collect()))
 }
 
-/// A way to keep the corners in so many bits of their positions.
+/// A variant with this many bits of the corners' positions.
 fn rate(bits: u8) -> Arc<RatePoint> {
     let mut moved = corners();
     let Positions::F32(positions) = &mut moved.positions else {

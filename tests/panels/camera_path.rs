@@ -24,7 +24,7 @@ fn value(harness: &Harness<'_, State>, label: &str) -> f64 {
     field.accesskit_node().numeric_value().unwrap()
 }
 
-/// Chooses what the sequence does after keyframe `number`.
+/// Chooses the sequence's behaviour after keyframe `number`.
 fn choose_after(harness: &mut Harness<'_, State>, number: usize, entry: &str) {
     let list = format!("After keyframe {number}");
     harness.get_by_role_and_label(Role::ComboBox, &list).click();
@@ -39,7 +39,7 @@ fn keys(harness: &Harness<'_, State>) -> Vec<(f64, f64)> {
     keys.map(|key| (key.time_s, key.frame)).collect()
 }
 
-/// Three keyframes two seconds apart, the camera turned by 40 degrees each, at frames 1, 6 and 6, counted from 1.
+/// Three keyframes two seconds apart, the camera rotated by 40 degrees each, at frames 1, 6 and 6, counted from 1.
 fn with_path() -> Harness<'static, State> {
     let mut harness = window();
     for (steps, fov_deg) in [(0, 45.0), (5, 38.7), (0, 45.0)] {
@@ -176,7 +176,7 @@ fn the_preview_plays_the_path_at_its_speed_until_it_is_stopped() {
     assert!(!harness.state().features.path.is_playing());
     assert_eq!(harness.state().camera, path.at(4.0).0);
 
-    // When the user moves the camera, playback gives way.
+    // When the user moves the camera, playback stops.
     press(&mut harness, Modifiers::SHIFT, Key::K);
     harness.state_mut().update(Duration::from_secs(41));
     harness.state_mut().camera.orbit(5.0, 5.0);

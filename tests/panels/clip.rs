@@ -33,7 +33,7 @@ fn cube(edge: f32) -> Clip {
 fn a_clip_box_is_applied_and_restored_unchanged() {
     let mut harness = window();
     choose(&mut harness, "Clipping", "To a box");
-    // Around the largest cube, that of the last frame.
+    // Around the largest cube, the last frame's.
     assert_eq!(harness.state().style.clip, Some(cube(1.23)));
     tap(&mut harness, "This frame");
     let whole = cube(1.0);
@@ -80,7 +80,7 @@ fn a_clip_plane_is_perpendicular_to_an_axis() {
     assert_eq!(harness.state().style.clip, None);
 }
 
-/// Drags what is called `handle` in the picture to where `place` is seen.
+/// Drags the handle named `handle` in the image to the pixel of `place`.
 fn pull(harness: &mut Harness<'_, State>, handle: &str, place: DVec3) {
     let from = harness.get_by_role_and_label(Role::Slider, handle).rect().center();
     let to = in_window(harness, place);

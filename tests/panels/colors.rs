@@ -1,4 +1,4 @@
-//! Colours: what is there is listed, and what is chosen is drawn and explained.
+//! Colours: the available ones are listed, and the chosen one is drawn and explained.
 
 use super::settings::choose;
 use super::walk::{FRAMES, load_all, options};
@@ -87,7 +87,7 @@ fn a_field_is_shown_with_a_color_map_over_a_range() {
     assert_eq!(color_of(&harness, 0), ColorMap::Turbo.color(1.0));
 }
 
-/// How far down a text is painted, if it is.
+/// Lower edge of a text, if it is painted.
 fn bottom_of(harness: &Harness<'_, State>, text: &str) -> Option<f32> {
     fn find(shape: &Shape, text: &str) -> Option<f32> {
         match shape {

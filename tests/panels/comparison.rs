@@ -1,4 +1,4 @@
-//! Two ways to draw side by side.
+//! Two render modes side by side.
 
 use super::{click, drag, window};
 use egui_kittest::kittest::Queryable as _;
@@ -95,7 +95,7 @@ fn images_at_rest_are_compared() {
     assert_eq!(harness.state_mut().take_requests(), []);
     harness.state_mut().update(at(400));
     assert_eq!(harness.state_mut().take_requests(), [WindowRequest::Compare]);
-    // What the window does in response.
+    // The response of the window.
     let [edited, other] = [40, 90].map(|level| RgbaImage::from_pixel(32, 24, Rgba([level, level, level, 255])));
     harness.state_mut().compare_pictures(edited, other);
     let begin = Instant::now();

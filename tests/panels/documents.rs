@@ -1,4 +1,4 @@
-//! Documents: what was made around a sequence comes back with it, and nothing of it is in another.
+//! Documents: additions to a sequence come back with it, and none of them is in another.
 
 use super::until;
 use super::walk::options;

@@ -1,4 +1,4 @@
-//! Esc closes what lies over all else, one thing at a time.
+//! Esc closes the topmost item, one at a time.
 
 use super::settings::choose;
 use super::{click, press, window};

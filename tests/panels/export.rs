@@ -1,4 +1,4 @@
-//! Exports: what is offered, and what is written by the window's own thread.
+//! Exports: the choices offered, and the files written by the window's own thread.
 
 use super::settings::choose;
 use super::{click, options, press, sequence, window, window_on};
@@ -20,7 +20,7 @@ use std::sync::mpsc::sync_channel;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-/// The choices are open, and what is written goes to `folder`.
+/// The choices are open, and files are written to `folder`.
 fn exporting(folder: &Path) -> Harness<'static, State> {
     exporting_of(sequence(&[]), folder)
 }
@@ -49,7 +49,7 @@ fn is_offered(harness: &Harness<'_, State>, role: Role, label: &str) -> bool {
     !node.accesskit_node().is_disabled()
 }
 
-/// Updates until the export is over and what it came to is said.
+/// Updates until the export is over and its outcome is shown.
 fn finish(harness: &mut Harness<'_, State>) -> String {
     let patience = Instant::now();
     while harness.state().shared.works.has(WorkKind::Export) || harness.state().notices.list().is_empty() {
@@ -123,7 +123,7 @@ fn the_sequence_is_exported_as_png_files_from_in_to_out_point() {
     assert_eq!(picture.get_pixel(0, 0).0, [0; 4]);
     assert!(picture.pixels().any(|pixel| pixel.0[3] == 255));
 
-    // Exporting again would replace them, and says so.
+    // Exporting again would replace them, and a message says so.
     press(&mut harness, Modifiers::SHIFT, Key::P);
     assert!(harness.query_by_label_contains("it is replaced").is_some());
 }
@@ -186,7 +186,7 @@ fn an_exported_image_matches_the_screen() {
     assert_ne!(picture.get_pixel(24, 16), picture.get_pixel(0, 0));
 }
 
-/// Frames that nobody has before `gate` is opened: of each but the first, whose origin is asked for.
+/// Frames that are not available before `gate` is opened: all but the first, whose origin is needed.
 fn gated(gate: std::sync::mpsc::Receiver<()>) -> Arc<Sequence> {
     let gate = Mutex::new(gate);
     let sources = (0..super::FRAMES as u64)

@@ -1,4 +1,4 @@
-//! A window at rest draws nothing: what is drawn, and why, counted as the event loop decides it.
+//! A window at rest draws nothing: images and their reasons, counted as the event loop decides them.
 
 use super::{options, window_on};
 use egui::ViewportId;
@@ -11,14 +11,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How often the test looks at the window.
+/// Polling interval of the test.
 const STEP: Duration = Duration::from_millis(50);
 
 /// The window with the part of the event loop that draws.
 struct Driven {
     harness: Harness<'static, State>,
     woken: Arc<AtomicBool>,
-    /// By the clock that the window is told.
+    /// By the clock passed to the window.
     now: Duration,
     redraws: usize,
 }
@@ -51,8 +51,7 @@ impl Driven {
         self.redraws += 1;
     }
 
-    /// What the event loop does at its time: it updates after a wake, and draws what can be seen to change, is due, or
-    /// is news.
+    /// The event loop at its time: it updates after a wake, and draws if something visibly changes, is due, or is new.
     fn step(&mut self) {
         self.now += STEP;
         let state = self.harness.state_mut();
@@ -67,7 +66,7 @@ impl Driven {
         }
     }
 
-    /// Goes on until nothing is under way and nothing was drawn for half a second.
+    /// Continues until nothing is in progress and nothing was drawn for half a second.
     fn settle(&mut self) {
         let patience = Instant::now();
         let mut steps_at_rest = 0;
@@ -86,7 +85,7 @@ impl Driven {
         self.harness.state().shared.counters.pictures
     }
 
-    /// Redraws and pictures of five seconds.
+    /// Redraws and rendered images in five seconds.
     fn of_five_seconds(&mut self) -> (usize, u64) {
         let before = (self.redraws, self.pictures());
         for _ in 0..100 {

@@ -1,4 +1,4 @@
-//! Labels: put by clicks, written, listed, undone, and painted where their points are.
+//! Labels: placed by clicks, written, listed, undone, and painted where their points are.
 
 use super::points::{click_on, corner, in_squares, in_window};
 use super::{FRAMES, click, frame, press, window};
@@ -30,7 +30,7 @@ fn texts(harness: &Harness<'_, State>) -> Vec<String> {
     labels.map(|label| label.text.clone()).collect()
 }
 
-/// Where a text is painted, its upper left corner, if it is.
+/// The upper left corner of a text, if it is painted.
 fn painted(harness: &Harness<'_, State>, text: &str) -> Option<Pos2> {
     fn find(shape: &Shape, text: &str) -> Option<Pos2> {
         match shape {

@@ -74,7 +74,7 @@ fn markers_are_set_named_jumped_to_and_stored() {
         .collect();
     assert_eq!(known, [(4, "turn"), (10, "")]);
     assert_eq!(clock(&next).range().first(), Some(4));
-    // Removed in the same way as they were set.
+    // Removed as they were set.
     harness.state_mut().run(Command::TOGGLE_MARKER);
     harness.run();
     assert!(harness.query_by_label("Marker turn").is_none());

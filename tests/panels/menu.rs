@@ -110,7 +110,7 @@ fn the_theme_is_chosen_and_stored() {
     assert!(!is_dark(&next), "as the system is");
 }
 
-/// A recording with one cloud of one point on each of two topics, and a second one on the first.
+/// A recording with one cloud of one point on each of two topics, and another one on the first.
 fn recording(path: &std::path::Path) {
     let mut file = std::fs::File::create(path).unwrap();
     let mut writer = mcap::Writer::new(&mut file).unwrap();

@@ -1,4 +1,4 @@
-//! Drags and the wheel on the picture.
+//! Drags and the wheel on the image.
 
 use super::{press, window};
 use egui::{Key, Modifiers, PointerButton, pos2, vec2};

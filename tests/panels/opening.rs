@@ -1,4 +1,4 @@
-//! What cannot be opened, and what was opened lately.
+//! Inputs that cannot be opened, and recently opened ones.
 
 use super::menu::choose_item;
 use super::walk::{FRAMES, load_all, options, sequence};

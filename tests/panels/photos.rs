@@ -1,4 +1,4 @@
-//! Photographs: they are put on what is shown once they are loaded, can be left out, and stood at.
+//! Input images: they texture the shown frame once loaded, can be excluded, and their viewpoints taken.
 
 use super::{click, window};
 use egui::accesskit::Role;
@@ -12,7 +12,7 @@ use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Two photographs of a wall of points, as COLMAP writes them.
+/// Two images of a wall of points, as COLMAP writes them.
 fn write_set(folder: &Path) {
     let model = folder.join("sparse/0");
     fs::create_dir_all(&model).unwrap();
@@ -36,7 +36,7 @@ fn write_set(folder: &Path) {
     }
 }
 
-/// The same cameras, a folder each, with photographs of three moments: red is the moment.
+/// The same cameras, a folder each, with images of three time steps: red is the time step.
 fn write_multiview_video(folder: &Path) {
     write_set(folder);
     fs::remove_dir_all(folder.join("images")).unwrap();
@@ -64,7 +64,7 @@ fn write_multiview_video(folder: &Path) {
     }
 }
 
-/// The frame that is drawn next, and the first texel of its first photograph.
+/// The frame that is drawn next, and the first texel of its first input image.
 fn drawn_frame(harness: &mut Harness<'_, State>) -> Option<(usize, [u8; 4])> {
     harness.state_mut().forget_picture();
     let posed_images = harness.state_mut().next_packet()?.posed_images?.posed_images;
@@ -98,7 +98,7 @@ fn playback_waits_for_the_images_of_each_frame() {
     }
 }
 
-/// Photographs in the packet that is drawn next.
+/// Input images in the packet that is drawn next.
 fn drawn(harness: &mut Harness<'_, State>) -> usize {
     harness.state_mut().forget_picture();
     let packet = harness.state_mut().next_packet();
@@ -120,7 +120,7 @@ fn until_drawn(harness: &mut Harness<'_, State>, posed_images: usize) {
     harness.run();
 }
 
-/// A few hundred disks as large as the gaps between them would be the first that anybody sees of a set.
+/// A few hundred disks as large as the gaps between them would be the initial view of a set.
 #[test]
 fn points_are_drawn_until_images_are_projected_onto_a_surface() {
     let folder = tempfile::tempdir().unwrap();
@@ -169,7 +169,7 @@ fn images_can_be_projected_excluded_and_viewed_from() {
     until_drawn(&mut harness, 1);
     click(&mut harness, "Use all");
     until_drawn(&mut harness, 2);
-    // The initial view is that of the first image.
+    // The initial view is the first image's.
     let first = harness.state().camera;
     harness.get_by_label("right.png").click();
     harness.run();

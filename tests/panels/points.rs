@@ -32,7 +32,7 @@ pub(super) fn corner(index: u32) -> DVec3 {
     DVec3::from_array([0, 1, 2].map(|axis| f64::from(index >> axis & 1) - 0.5))
 }
 
-/// Where a place is in the window.
+/// The pixel of a position in the window.
 pub(super) fn in_window(harness: &Harness<'_, State>, place: DVec3) -> Pos2 {
     let state = harness.state();
     let px = state.camera.to_px(place, state.viewport.size_px).unwrap();
@@ -54,7 +54,7 @@ pub(super) fn click_on(harness: &mut Harness<'_, State>, place: Pos2, times: usi
     harness.run();
 }
 
-/// Clicks a button and returns what it put on the clipboard.
+/// Clicks a button and returns the contents of the clipboard.
 pub(super) fn copied(harness: &mut Harness<'_, State>, button: &str) -> String {
     harness.get_by_role_and_label(Role::Button, button).click();
     for _ in 0..4 {
@@ -92,7 +92,7 @@ fn a_click_shows_the_values_of_a_point_and_escape_clears_them() {
     assert!(all.contains("Frame\t1\nIndex\t7\nx\t0.5\n"), "{all}");
     assert_eq!(harness.unnamed_widgets(), Vec::<String>::new());
 
-    // Next to the cube nothing is picked, and what is shown stays.
+    // Next to the cube nothing is picked, and the panel stays as it is.
     let aside = harness.state().viewport.rect.left_bottom() + egui::vec2(30.0, -30.0);
     click_on(&mut harness, aside, 1);
     assert_eq!(

@@ -1,4 +1,4 @@
-//! Frames that take long to read: their bar, and what becomes of them when nobody waits any more.
+//! Frames that take long to read: their bar, and their end when they are no longer needed.
 
 use super::{click, options};
 use egui::accesskit::Role;
@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// What a decoder is told by a test: how many of ten steps it may do.
+/// Number of steps, of ten, that a test lets a decoder do.
 #[derive(Default)]
 struct Gate {
     may_do: AtomicUsize,
@@ -23,7 +23,7 @@ struct Gate {
     ended: AtomicUsize,
 }
 
-/// Files of which those in `slow` are decoded as a gate lets them.
+/// Files; the ones in `slow` are decoded as a gate lets them.
 fn sequence(count: usize, slow: &'static [usize]) -> (Arc<Sequence>, Arc<Gate>) {
     let sources = (0..count).map(|number| FrameEntry::file(format!("/scans/walk/frame_{number}.ply")));
     let gate = Arc::new(Gate::default());
@@ -60,7 +60,7 @@ fn at(seconds: f64) -> Duration {
     Duration::from_secs_f64(seconds)
 }
 
-/// Waits for what another thread does, with the window's time at rest.
+/// Waits for the work of another thread, with the window's time at rest.
 fn until(harness: &mut Harness<'_, State>, is_so: impl Fn(&State) -> bool) {
     let begin = Instant::now();
     loop {
@@ -75,7 +75,7 @@ fn until(harness: &mut Harness<'_, State>, is_so: impl Fn(&State) -> bool) {
     harness.run();
 }
 
-/// Lets a decoder go so far, and shows the window at `seconds`.
+/// Lets a decoder continue to this step, and shows the window at `seconds`.
 fn show(harness: &mut Harness<'_, State>, gate: &Gate, done: usize, seconds: f64) {
     gate.may_do.store(done, Ordering::Relaxed);
     while gate.has_done.load(Ordering::Relaxed) < done {

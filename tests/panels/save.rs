@@ -1,4 +1,4 @@
-//! Saving the sequence: what is offered, what it comes to, and what is written.
+//! Saving the sequence: the choices offered, the predicted size, and the files written.
 
 use super::settings::choose;
 use super::{click, options, press, sequence, window_on};
@@ -39,12 +39,12 @@ fn wave(phase: f32) -> RawCloud {
     }
 }
 
-/// Frames of a wave, as many as other tests have.
+/// Frames of a wave, the same number as in other tests.
 fn waves(broken: &'static [u64]) -> Arc<Sequence> {
     visited_waves(super::FRAMES as u64, broken, |_| {})
 }
 
-/// So many frames of a wave. Those in `broken` cannot be read; others call `visit` with their number first.
+/// This many frames of a wave. Those in `broken` cannot be read; others call `visit` with their number first.
 fn visited_waves(count: u64, broken: &'static [u64], visit: impl Fn(u64) + Send + Sync + 'static) -> Arc<Sequence> {
     let entries = (0..count).map(|number| FrameEntry {
         number: Some(number),
@@ -60,7 +60,7 @@ fn visited_waves(count: u64, broken: &'static [u64], visit: impl Fn(u64) + Send 
     }))
 }
 
-/// The dialog is open, and what is written goes to `folder`.
+/// The dialog is open, and files are written to `folder`.
 fn saving_of(sequence: Arc<Sequence>, folder: &Path) -> Harness<'static, State> {
     let mut harness = window_on(sequence, options());
     harness.state_mut().features.save.folder = folder.display().to_string();
@@ -89,7 +89,7 @@ fn wait_for_estimate(harness: &mut Harness<'_, State>, frames: usize) {
     });
 }
 
-/// What is said once it is over; nothing was said before.
+/// The message once it is over; there was none before.
 fn finish(harness: &mut Harness<'_, State>) -> String {
     wait(harness, "the end of saving", |state| {
         !state.shared.works.has(WorkKind::Save) && !state.notices.list().is_empty()
@@ -139,7 +139,7 @@ fn sizes_and_errors_are_shown_before_a_sequence_file_is_written() {
         "{written} bytes, {expected} were expected"
     );
 
-    // Saving again would replace it, and says so.
+    // Saving again would replace it, and a message says so.
     press(&mut harness, SAVE, Key::S);
     assert!(harness.query_by_label_contains("it is replaced").is_some());
     choose(&mut harness, "Positions", "Lossless");
@@ -226,7 +226,7 @@ fn frames_are_saved_as_files_in_a_folder() {
 #[test]
 fn a_cancelled_file_resumes_where_it_stopped() {
     let folder = tempfile::tempdir().unwrap();
-    // Groups of 30 frames are encoded by all threads at the same time; what comes after them waits.
+    // Groups of 30 frames are encoded by all threads at the same time; later frames wait.
     let threads = std::thread::available_parallelism().unwrap().get() as u64;
     let whole = 30 * threads;
     let (open, gate) = sync_channel::<()>(0);

@@ -298,7 +298,7 @@ fn retained_in(folder: &Path) -> StateOptions {
     }
 }
 
-/// A window of which nothing is left that has the session `file` open.
+/// A new window that has the session `file` open.
 fn window_of(options: StateOptions, file: &Path) -> Harness<'static, State> {
     let mut harness = window_on(sequence(&[]), options);
     open(&mut harness, file);

@@ -1,4 +1,4 @@
-//! The settings: every control changes what it names.
+//! The settings: every control changes the setting that it names.
 
 use super::{click, options, sequence, window, window_on};
 use egui::accesskit::Role;

@@ -1,4 +1,4 @@
-//! Windows of all sizes: nothing of the menu bar and the timeline is cut, or lies over something else.
+//! Windows of all sizes: no part of the menu bar and the timeline is cut, or overlaps another.
 
 use super::menu::choose_item;
 use super::{click, options, sequence, state_on};
@@ -11,7 +11,7 @@ use pointreel::app::{PanelId, State, apply_theme};
 
 const SIZES: [[f32; 2]; 4] = [[320.0, 240.0], [640.0, 480.0], [1280.0, 800.0], [2560.0, 1440.0]];
 
-/// A window of so many pixels, with so many to a point.
+/// A window of this many pixels, with this many per point.
 fn window_of(size_px: [f32; 2], pixels_per_point: f32) -> Harness<'static, State> {
     let state = state_on(sequence(&[]), options());
     let size = vec2(size_px[0], size_px[1]) / pixels_per_point;
@@ -25,7 +25,7 @@ fn window_of(size_px: [f32; 2], pixels_per_point: f32) -> Harness<'static, State
     harness
 }
 
-/// Names and places of what is read or pressed.
+/// Names and positions of texts and controls.
 fn widgets(harness: &Harness<'_, State>) -> Vec<(String, Rect)> {
     widgets_in(harness.root().children_recursive())
 }
@@ -56,7 +56,7 @@ fn widgets_in<'a>(nodes: impl Iterator<Item = Node<'a>>) -> Vec<(String, Rect)> 
     named.filter(|(_, rect)| rect.is_positive()).collect()
 }
 
-/// What lies over each other, or beyond the edge of the window.
+/// Items that overlap, or extend beyond the edge of the window.
 fn collisions(harness: &Harness<'_, State>) -> Vec<String> {
     let widgets = widgets(harness);
     let window = harness.ctx.content_rect();
@@ -69,7 +69,7 @@ fn collisions(harness: &Harness<'_, State>) -> Vec<String> {
     found
 }
 
-/// Which of them lie over each other, unless one is a part of the other.
+/// Pairs of them that overlap, unless one is a part of the other.
 fn overlaps(widgets: &[(String, Rect)]) -> Vec<String> {
     let mut found = Vec::new();
     for (index, (name, rect)) in widgets.iter().enumerate() {
@@ -84,7 +84,7 @@ fn overlaps(widgets: &[(String, Rect)]) -> Vec<String> {
     found
 }
 
-/// A window over the picture, and what is in it.
+/// A window over the image, and its contents.
 #[derive(Debug)]
 struct Tool {
     title: String,
@@ -103,7 +103,7 @@ fn tools(harness: &Harness<'_, State>) -> Vec<Tool> {
     tools.collect()
 }
 
-/// What is wrong with the windows over the picture: beyond the edge, or printed over themselves; where the program's
+/// Faults of the windows over the image: beyond the edge, or printed over themselves; where the program's
 /// window is large enough for them, wider than they show. In smaller ones they scroll.
 fn faults_of_tools(harness: &Harness<'_, State>) -> Vec<String> {
     let window = harness.ctx.content_rect();
@@ -177,8 +177,8 @@ fn no_panel_is_clipped_or_overlaps_itself() {
     assert!(found.is_empty(), "{}: {found:#?}", found.len());
 }
 
-/// Panels beside the picture: what is seen of them and is printed over itself, or cut at the sides of the window. What
-/// is scrolled to is below, where the timeline is.
+/// Panels next to the image: visible items that are printed over one another, or cut at the sides of the window. Items
+/// out of scroll are below, where the timeline is.
 fn side_faults(harness: &Harness<'_, State>) -> Vec<String> {
     let picture = harness.state().viewport.rect;
     let split_view = widgets(harness).into_iter().filter(|(_, rect)| {

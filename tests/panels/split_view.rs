@@ -1,4 +1,4 @@
-//! Two sequences beside each other.
+//! Two sequences side by side.
 
 use super::points::click_on;
 use super::{click, drag, load_all, options, press, window_on};
@@ -47,7 +47,7 @@ fn half(corner: u32, axis: u32) -> f64 {
     f64::from(corner >> axis & 1) - 0.5
 }
 
-/// A window on cubes with points of 9 pixels, paused, beside `b`; all frames loaded.
+/// A window on cubes with points of 9 pixels, paused, next to `b`; all frames loaded.
 fn split_view(b: &Arc<Sequence>) -> Harness<'static, State> {
     second_with(cubes("left", DVec3::ZERO, FRAMES, Some(40), &[]), b, options())
 }
@@ -79,7 +79,7 @@ fn load_both(harness: &mut Harness<'_, State>) {
     draw(harness);
 }
 
-/// What the window does after each run of the panels.
+/// The window's work after each run of the panels.
 fn draw(harness: &mut Harness<'_, State>) {
     harness.state_mut().next_packet();
     harness.state_mut().next_other_packet();

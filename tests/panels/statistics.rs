@@ -44,7 +44,7 @@ fn statistics_show_points_octree_and_budget() {
     assert_eq!(harness.state().graphics.budget_bytes, 32 << 20);
 }
 
-/// What stands beside a name.
+/// The value next to a name.
 fn has_row(harness: &Harness<'_, State>, name: &str, value: &str) -> bool {
     harness.query_all_by_label(name).next().is_some() && harness.query_all_by_label(value).next().is_some()
 }

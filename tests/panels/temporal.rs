@@ -1,4 +1,4 @@
-//! Change maps and onion skin: what other poses add to the picture.
+//! Change maps and onion skin: additions to the image from other frames.
 
 use super::settings::slide;
 use super::{options, sequence, window, window_on};
@@ -26,7 +26,7 @@ fn set(harness: &mut Harness<'_, State>, label: &str, value: f64) {
     harness.run();
 }
 
-/// Lets tasks come to an end: until the packet is made of `points` points.
+/// Lets tasks finish: until the packet is made of `points` points.
 fn until_points(harness: &mut Harness<'_, State>, points: usize) -> Vec<[u8; 4]> {
     let patience = Instant::now();
     loop {

@@ -1,4 +1,4 @@
-//! Small pictures over the timeline.
+//! Thumbnails over the timeline.
 
 use super::{click, frame, options, press, sequence, window, window_on};
 use egui::accesskit::Role;
@@ -18,7 +18,7 @@ fn with_thumbnails() -> StateOptions {
     }
 }
 
-/// Lets pictures come in until all of the strip are there.
+/// Waits until all thumbnails of the strip are there.
 fn until_made(harness: &mut Harness<'_, State>) -> usize {
     let patience = Instant::now();
     loop {

@@ -1,4 +1,4 @@
-//! When the picture is drawn, and how large.
+//! When the image is drawn, and its size.
 
 use super::{load_all, window};
 use egui::{pos2, vec2};

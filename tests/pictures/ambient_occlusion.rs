@@ -1,4 +1,4 @@
-//! Ambient occlusion of constructed surfaces, by both renderers: what planes, corners and steps must look like.
+//! Ambient occlusion of constructed surfaces, by both renderers: the expected shading of planes, corners and steps.
 
 use crate::common::{self, Surfel, camera_at, draw, draw_on_cpu, plain, surfels};
 use glam::{DVec3, Vec3};
@@ -8,7 +8,7 @@ use pointreel::scene::{
     AmbientOcclusion, BackFaces, Camera, Lighting, OnOff, Projection, ScenePacket, Splatting, Style,
 };
 
-/// Odd, so that the middle of a pixel is on the axis of the view.
+/// Odd, so that the centre of a pixel is on the axis of the view.
 const EDGE_PX: u32 = 241;
 
 /// The radius of balls in these scenes.
@@ -36,7 +36,7 @@ fn packet_of(cloud: &[Surfel], camera: &Camera, style: Style) -> ScenePacket {
     packet
 }
 
-/// Pictures without ambient occlusion and with it, by each renderer.
+/// Images without ambient occlusion and with it, by each renderer.
 fn without_and_with(packet: &ScenePacket) -> [([RgbaImage; 2], &'static str); 2] {
     let mut without = packet.clone();
     without.style.light.ao = OnOff::Off;
@@ -108,14 +108,14 @@ fn planes_are_not_darkened() {
     }
 }
 
-/// Of a ball whose middle is on a wall at `distance` radii from the other one: the share of the half before the wall
-/// that is behind the other one, a half of a cap of the ball.
+/// For a ball whose centre is on a wall at `distance` radii from the other one: the fraction of the half before the
+/// wall that is behind the other one, a half of a cap of the ball.
 fn hidden_in_corner(distance: f32) -> f32 {
     let beyond = (1.0 - distance).max(0.0);
     beyond * beyond * (2.0 + distance) / 4.0
 }
 
-/// The share of light that is left in the row of pixels in the middle, with the distance from the y axis of the place
+/// The fraction of light that is left in the central row of pixels, with the distance from the y axis of the position
 /// on the right wall that each shows.
 fn light_along_corner(pictures: &[RgbaImage; 2], packet: &ScenePacket) -> Vec<(f32, f32)> {
     let view = &packet.view;

@@ -1,4 +1,4 @@
-//! Antialiasing: edges against the area that they cover, what is flat, and both renderers against each other.
+//! Antialiasing: edges against the area that they cover, flat areas, and both renderers against each other.
 
 use crate::common::{camera_at, draw, draw_on_cpu, plain, sphere, surfels, voxels};
 use glam::{DVec3, Vec3};
@@ -44,7 +44,7 @@ fn cube() -> ScenePacket {
     voxels(vec![record], 1.0, &camera(), style, SIZE)
 }
 
-/// Whether a ray meets the cube.
+/// Returns true if a ray meets the cube.
 fn meets_cube(eye: DVec3, ray: DVec3) -> bool {
     let [low, high] = [-0.5, 0.5].map(|side| (DVec3::splat(side) - eye) / ray);
     low.min(high).max_element() < low.max(high).min_element()
@@ -72,7 +72,7 @@ fn covered_by_cube(packet: &ScenePacket) -> Vec<f64> {
     pixels.map(share).collect()
 }
 
-/// Mean and largest error of the pixels that the outline of the cube goes through.
+/// Mean and largest error of the pixels that the outline of the cube crosses.
 fn errors_of_outline(picture: &RgbaImage, covered: &[f64]) -> (f64, f64) {
     let edges = picture
         .pixels()
@@ -142,7 +142,7 @@ fn sphere_in(style: Style, count: u32) -> ScenePacket {
     surfels(&sphere(count, 1.0), &camera(), style, SIZE)
 }
 
-/// What renderers differ in without antialiasing, they may differ in with it; FXAA finds another edge where a pixel is
+/// Where renderers differ without antialiasing, they may differ with it; FXAA finds another edge where a pixel is
 /// another one.
 #[test]
 fn both_renderers_smooth_every_primitive_alike() {
@@ -191,7 +191,7 @@ fn points_and_grid_lines_keep_their_size() {
     }
 }
 
-/// FLIP beside the ray-traced truth of the same disks; the figures of `benches/README.md`.
+/// FLIP against the ray-traced ground truth of the same disks; the figures of `benches/README.md`.
 #[test]
 fn antialiased_images_are_closer_to_the_ground_truth() {
     for splatting in [Splatting::TwoPass, Splatting::Opaque] {

@@ -1,12 +1,12 @@
 //! Disks close the surfaces they are estimated from: rays at shapes whose surface is known find no holes, or next to
 //! none, and with disks a third smaller they do.
 //!
-//! A ray goes through a place on the true surface along its true normal. It finds a hole if it hits no disk near that
-//! place: beyond the disk's radius there may be another part of the surface. Disks are as large as a Voronoi cell
+//! A ray goes through a position on the true surface along its true normal. It finds a hole if it hits no disk near
+//! that place: beyond the disk's radius there may be another part of the surface. Disks are as large as a Voronoi cell
 //! reaches, so that lattices must have no holes at all; among points at random a few cells are cut off wrongly, because
 //! more neighbours than there are in a list take part in them.
 //!
-//! For real frames, whose surface nobody knows, see `tests/files/real_frames.rs`.
+//! For real frames, whose surface is unknown, see `tests/files/real_frames.rs`.
 
 #![expect(
     clippy::print_stdout,
@@ -17,7 +17,7 @@ use glam::Vec3;
 use pointreel::analysis::{NormalBasis, Orientation, Surface, estimate_surface, nearest_neighbours};
 use std::f32::consts::TAU;
 
-/// Points whose disks may cover a place, the nearest ones; leaving out those farther away can only make more holes.
+/// Points whose disks may cover a position, the nearest ones; excluding those farther away can only make more holes.
 const AROUND: usize = 24;
 
 /// Rays at each shape.
@@ -29,7 +29,7 @@ const EDGE_ON: f32 = 0.2;
 /// Rays that find a hole: none where points are in a lattice.
 const OPEN_LATTICE: f64 = 0.0;
 
-/// The same where points are at random: fewer than one in a thousand.
+/// The same for random points: fewer than one in a thousand.
 const OPEN_RANDOM: f64 = 1e-3;
 
 /// Rays that must find a hole when disks are smaller by a third: more than come with the random ones at full size.
@@ -48,23 +48,23 @@ impl Random {
     }
 }
 
-/// A surface over the unit square, with places spread evenly over its area.
+/// A surface over the unit square, with positions spread evenly over its area.
 #[derive(Debug, Clone, Copy)]
 enum Shape {
-    /// Of radius 1.
+    /// Sphere of radius 1.
     Sphere,
-    /// Of radii 1 and 0.4.
+    /// Torus of radii 1 and 0.4.
     Torus,
 }
 
 const TUBE: f32 = 0.4;
 
-/// A place on a surface and the normal there.
+/// A position on a surface and the normal there.
 type Place = (Vec3, Vec3);
 
 impl Shape {
-    /// The place at two parameters in 0..1; equal areas of parameters are equal areas of the sphere, of the torus only
-    /// nearly.
+    /// The position at two parameters in 0..1; equal areas of parameters are equal areas of the sphere, of the torus
+    /// only nearly.
     fn place(self, u: f32, v: f32) -> Place {
         let (sine, cosine) = (u * TAU).sin_cos();
         match self {
@@ -83,7 +83,7 @@ impl Shape {
         }
     }
 
-    /// `count` places at random.
+    /// `count` random positions.
     fn scattered(self, count: usize, random: &mut Random) -> Vec<Place> {
         let mut places = Vec::with_capacity(count);
         while places.len() < count {
@@ -100,8 +100,8 @@ impl Shape {
         places
     }
 
-    /// About `count` places in rows: a spiral of the golden angle on the sphere (Swinbank and Purser 2006), a grid that
-    /// is square on the middle of the torus.
+    /// About `count` positions in rows: a spiral of the golden angle on the sphere (Swinbank and Purser 2006), a grid
+    /// that is square at the centre of the torus.
     fn regular(self, count: usize) -> Vec<Place> {
         match self {
             Self::Sphere => (0..count)
@@ -122,7 +122,7 @@ impl Shape {
     }
 }
 
-/// Shares of rays through `places` that hit no disk of each of `scales` times its radius.
+/// Fractions of rays through `places` that hit no disk of each of `scales` times its radius.
 fn open_shares<const N: usize>(positions: &[Vec3], surface: &Surface, places: &[Place], scales: [f32; N]) -> [f64; N] {
     // Finds the nearest points of each position as its neighbours among points and positions: there are few positions
     // compared with the requested neighbours.
@@ -187,14 +187,14 @@ const SHAPES: [Shape; 2] = [Shape::Sphere, Shape::Torus];
 const COUNTS: [usize; 3] = [2_000, 5_000, 25_000];
 
 /// Points of random samples together: one cell that is cut off wrongly is more than one of 2000 parts of the surface,
-/// so that a few points at random say little.
+/// so that a few random points say little.
 const POINTS_OF_SAMPLES: usize = 25_000;
 
 fn positions_of(places: &[Place]) -> Vec<Vec3> {
     places.iter().map(|place| place.0).collect()
 }
 
-/// As many samples of `count` points as make [`POINTS_OF_SAMPLES`].
+/// Samples of `count` points, enough to make [`POINTS_OF_SAMPLES`].
 fn samples(count: usize, sample: impl FnMut() -> Vec<Vec3>) -> Vec<Vec<Vec3>> {
     std::iter::repeat_with(sample).take(POINTS_OF_SAMPLES / count).collect()
 }

@@ -1,7 +1,7 @@
-//! Voxels as they are drawn by default close what surfels close, and look like them.
+//! Voxels as they are drawn by default close the same surfaces as surfels, and look like them.
 //!
-//! Held: what of the surfels' pixels voxels cover, what they show beside them, and FLIP over both. `bench accuracy` has
-//! the same numbers as a table, beside those of the paper's δ.
+//! Checked: the fraction of the surfels' pixels that voxels cover, the pixels outside that they cover, and FLIP over
+//! both. `bench accuracy` has the same numbers as a table, compared with the paper's δ.
 
 #![allow(clippy::print_stdout, reason = "what was measured, for `--nocapture`")]
 
@@ -15,11 +15,11 @@ use pointreel::scene::{BackFaces, Background, Camera, FirstLook, Primitive, Scen
 use pointreel::sequence::{OpenOptions, PrepareCounters, PreparedFrame, Sequence, Shape, complete, prepare};
 use std::sync::Arc;
 
-/// Share of the surfels' pixels that voxels cover, at least.
+/// Minimum fraction of the surfels' pixels that voxels cover.
 const COVERED: f64 = 0.99;
 
-/// Pixels that voxels show beside them, as a share of the surfels', and FLIP over the pixels that show the object in
-/// either picture, at most. Cubes pass the outline by half of their edge, which is at least the spacing: the fewer
+/// Pixels that voxels cover outside, as a fraction of the surfels', and FLIP over the pixels that show the object in
+/// either image, at most. Cubes pass the outline by half of their edge, which is at least the spacing: the fewer
 /// points, and the thinner limbs are, the more that is.
 #[derive(Clone, Copy)]
 struct Bounds {
@@ -38,10 +38,10 @@ const BOUNDS_OF_DEMO: Bounds = Bounds {
     flip: 0.30,
 };
 
-/// A grey of medium lightness, and what tells the object from it.
+/// A grey of medium lightness, and the difference that separates the object from it.
 const BACKGROUNDS: [[u8; 3]; 2] = [[119; 3], [255; 3]];
 
-/// What a picture shows on the first background, and which pixels show the object.
+/// The image on the first background, and which pixels show the object.
 fn draw(
     frame: &PreparedFrame,
     sequence: &Sequence,
@@ -68,7 +68,7 @@ fn draw(
     (first, shows_object)
 }
 
-/// Covered, outside and FLIP of voxels beside surfels.
+/// Covered, outside and FLIP of voxels compared with surfels.
 fn compared(frame: &PreparedFrame, sequence: &Sequence, camera: &Camera, style: Style, size_px: [u32; 2]) -> [f64; 3] {
     let surfels = Style::default().with(|style| style.surfels.back_faces = BackFaces::Drawn);
     let (surfels, is_surfel) = draw(frame, sequence, camera, surfels, size_px);
@@ -93,7 +93,7 @@ fn voxels() -> Style {
     }
 }
 
-/// Sequences by name; those of real scans where there are any.
+/// Sequences by name; real scans where there are any.
 fn sequences() -> Vec<(String, Sequence)> {
     let mut sequences = vec![
         ("demo".to_owned(), Sequence::demo()),
@@ -147,7 +147,7 @@ fn voxels_cover_the_same_pixels_as_surfels_and_look_like_them() {
     assert!(beyond.is_empty(), "{beyond:#?}");
 }
 
-/// What the test above measures tells closed surfaces from dots, and light on surfaces from light on cubes.
+/// The measures of the test above separate closed surfaces from dots, and shading of surfaces from that of cubes.
 #[test]
 fn cells_sized_as_in_the_paper_are_dots_and_faces_are_lit_like_cubes() {
     let sequence = Sequence::of(Shape::Torus.frame(20_000));

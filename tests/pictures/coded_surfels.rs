@@ -1,7 +1,7 @@
-//! Surfels drawn from the byte code of an octree: beside exact disks, with and without offsets, with and without
+//! Surfels drawn from the byte code of an octree: compared with exact disks, with and without offsets, with and without
 //! culling.
 //!
-//! Pictures are kept in the folder that `POINTREEL_KEEP_PICTURES` names, if it names one.
+//! Images are saved in the folder that `POINTREEL_KEEP_PICTURES` names, if it names one.
 
 #![allow(clippy::print_stdout, reason = "what was measured, for `--nocapture`")]
 
@@ -58,7 +58,7 @@ fn ball(count: u32, radius: f32, is_white: bool, style: &Style) -> PreparedFrame
     prepared(raw, style)
 }
 
-/// By the processor, from the byte code.
+/// By the CPU, from the byte code.
 fn coded() -> Style {
     plain().with(|style| {
         // Pure white would not be recognised as colours.
@@ -94,7 +94,7 @@ fn gaps(picture: &RgbaImage, camera: &Camera, margin: f64) -> usize {
     picture.enumerate_pixels().filter(is_gap).count()
 }
 
-/// Directions from which a ball is looked at: along axes, where terraces of cells are widest at its outline, and across
+/// Directions from which a ball is seen: along axes, where terraces of cells are widest at its outline, and across
 /// them.
 const VIEWS_DEG: [[f64; 2]; 5] = [[0.0, 0.0], [90.0, 0.0], [0.0, 90.0], [45.0, 0.0], [30.0, 35.0]];
 
@@ -107,7 +107,7 @@ fn ball_camera([azimuth_deg, elevation_deg]: [f64; 2], distance: f64) -> Camera 
     }
 }
 
-/// Botsch et al. 2002, Figs. 8 and 9: tangential splats at the middles of coarse cells leave gaps where the surface is
+/// Botsch et al. 2002, Figs. 8 and 9: tangential splats at the centres of coarse cells leave gaps where the surface is
 /// seen at a grazing angle; moved along their normals they leave none.
 #[test]
 fn offsets_close_the_gaps_of_quantised_positions() {
@@ -138,7 +138,7 @@ fn offsets_close_the_gaps_of_quantised_positions() {
             "{view:?}: {two} gaps with 2 bits, {without} without"
         );
         assert_eq!(three, 0, "{view:?}");
-        // Enlarged, splats of the attribute pass cover what remains.
+        // Enlarged, splats of the attribute pass cover the remaining gaps.
         let enlarged = style.with(|style| {
             style.surfels.splatting = Splatting::TwoPassEnlarged;
             style.surfels.splat_scale = 1.0;
@@ -148,8 +148,8 @@ fn offsets_close_the_gaps_of_quantised_positions() {
     }
 }
 
-/// Decibels that masks keep beside exact disks, unlit or lit, of a ball from far (cells of a pixel), as large as the
-/// picture, and from near, where most are drawn as exact disks. What they lose is mostly the outline, where a splat
+/// Minimum decibels of masks compared with exact disks, unlit or lit, of a ball from far (cells of a pixel), as large
+/// as the image, and from near, where most are drawn as exact disks. The loss is mostly at the outline, where a splat
 /// ends in another pixel.
 const BALL_DB: [(f64, f64, f64); 3] = [(8.0, 34.0, 43.0), (2.4, 26.0, 35.5), (1.3, 52.0, 48.0)];
 
@@ -182,9 +182,9 @@ fn masks_are_close_to_exact_disks_on_a_sphere() {
     }
 }
 
-/// Decibels that masks keep beside exact disks on real frames, unlit (a white body on black differs along its whole
-/// outline, as the ball does) and lit, from far, as large as the picture, and near by, where splats of an outline are
-/// tens of pixels and reach over it by what positions were moved.
+/// Minimum decibels of masks compared with exact disks on real frames, unlit (a white body on black differs along its
+/// whole outline, as the ball does) and lit, from far, as large as the image, and near by, where splats of an outline
+/// are tens of pixels and reach over it by the offset of positions.
 const REAL_DB: [(&str, f64, f64, f64); 3] = [
     ("far", 4.0, 33.0, 33.0),
     ("full", 1.0, 26.0, 28.0),

@@ -19,7 +19,7 @@ use std::sync::{Arc, LazyLock};
 
 const SIZE: [u32; 2] = [300, 220];
 
-/// How far apart two pictures are: decibels, and the share of pixels of which a channel differs by more than `step`.
+/// Difference of two images: decibels, and the fraction of pixels with a channel that differs by more than `step`.
 fn difference(a: &RgbaImage, b: &RgbaImage, step: u8) -> (f64, f64) {
     let psnr = psnr_db(mean_squared_error(a, b).unwrap());
     let differs = |(a, b): (&image::Rgba<u8>, &image::Rgba<u8>)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > step);
@@ -27,7 +27,7 @@ fn difference(a: &RgbaImage, b: &RgbaImage, step: u8) -> (f64, f64) {
     (psnr, differing.count() as f64 / f64::from(a.width() * a.height()))
 }
 
-/// The same picture but for pixels on edges, which rounding puts to either side.
+/// Equal images but for pixels on edges, which are rounded to either side.
 #[track_caller]
 fn assert_same_picture(packet: &ScenePacket, min_psnr_db: f64, max_differing: f64) {
     let (gpu, cpu) = (draw(packet), draw_on_cpu(packet));
@@ -49,7 +49,7 @@ fn assert_same_picture(packet: &ScenePacket, min_psnr_db: f64, max_differing: f6
     assert!(psnr >= min_psnr_db && differing <= max_differing, "{what}");
 }
 
-/// Disks of several sizes, some of which cut the near plane and the borders of the picture.
+/// Disks of several sizes, some of which cut the near plane and the borders of the image.
 fn surfel_scene(style: Style, distance: f64) -> ScenePacket {
     let mut scene = sphere(3000, 1.0);
     for (index, surfel) in scene.iter_mut().enumerate() {
@@ -61,7 +61,7 @@ fn surfel_scene(style: Style, distance: f64) -> ScenePacket {
     surfels(&scene, &camera, style, SIZE)
 }
 
-/// Least decibels and most differing pixels.
+/// Minimum decibels and maximum number of differing pixels.
 fn agreement(splatting: Splatting) -> (f64, f64) {
     match splatting {
         // A GPU rounds to bytes whenever it blends: hundreds of layers may add up to a few steps.
@@ -288,7 +288,7 @@ fn points_of_every_shape_in_every_light() {
     }
 }
 
-/// A round point `aside_px` to the right of and above the middle of the middle pixel, as rows of `#` and `.`, as both
+/// A round point `aside_px` to the right of and above the centre of the central pixel, as rows of `#` and `.`, as both
 /// renderers draw it.
 #[track_caller]
 fn round_point(size_px: f32, aside_px: f32) -> Vec<String> {
@@ -441,7 +441,7 @@ fn rendering_needs_preparation_and_happens_once_per_packet() {
     assert!(matches!(renderer.prepare(&huge), Err(RenderError::TooLarge { .. })));
 }
 
-/// Numbers of all sizes and no size: a picture or nothing, and never a panic.
+/// Numbers of all sizes and no size: an image or nothing, and never a panic.
 #[test]
 fn extreme_records_are_handled() {
     let extremes = [0.0, 1e-45, -1e-38, 1e-20, 1.0, 1e30, -3e38, f32::MAX];
@@ -589,11 +589,11 @@ fn depths_of_points_and_voxels_match_their_distances() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// From anywhere: what shows within the outline does not depend on the background. Two-pass-enlarged lets none of
+    /// From anywhere: the pixels within the outline do not depend on the background. Two-pass-enlarged lets none of
     /// it through: wherever a disk of the first pass is seen, its own enlarged splat alone is opaque, and so are those
-    /// around an opening. The first pass alone has openings where rays graze disks that are just large enough to close
-    /// the surface. (Enlarging both passes closes less than the second alone: the rim of a splat hides what would fill
-    /// it up.)
+    /// around a hole. The first pass alone has holes where rays graze disks that are just large enough to close
+    /// the surface. (Enlarging both passes closes less than the second alone: the edge of a splat hides the splat that
+    /// would fill it.)
     #[test]
     fn no_background_shines_through_a_closed_sphere(
         azimuth_deg in -180.0f64..180.0,
@@ -604,7 +604,7 @@ proptest! {
         let camera = Camera { azimuth_deg, elevation_deg, ..camera_at(distance) };
         let size_px = [240, 200];
         let focal = 1.0 / (0.5 * camera.fov_deg).to_radians().tan();
-        // The outline of the sphere, minus what disks near its silhouette may miss.
+        // The outline of the sphere, minus the part that disks near its silhouette may miss.
         let outline_px = 0.5 * f64::from(size_px[1]) * focal / (distance * distance - 1.0).sqrt();
         let within_px = 0.97 * outline_px - 1.0;
         // From afar the sphere has fewer than a thousand pixels: then one of them may be a hole.

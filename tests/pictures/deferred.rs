@@ -1,4 +1,4 @@
-//! Deferred shading against light worked out in double precision, by both renderers; and what is not lit by it.
+//! Deferred shading against light computed in double precision, by both renderers; and parts that it does not light.
 
 use crate::common::{Surfel, camera_at, draw, draw_on_cpu, plain, sphere, surfels, to_display, to_linear};
 use glam::{DVec3, Vec3};
@@ -6,7 +6,7 @@ use image::RgbaImage;
 use pointreel::math::Aabb;
 use pointreel::scene::{BackFaces, LightRig, Lighting, Lights, Primitive, ScenePacket, Splatting, Style};
 
-/// Odd, so that the middle of a pixel is on the axis of the view.
+/// Odd, so that the centre of a pixel is on the axis of the view.
 const EDGE_PX: u32 = 121;
 
 const DISTANCE: f64 = 3.0;
@@ -25,7 +25,7 @@ fn draw_on_both(packet: &ScenePacket) -> [(RgbaImage, &'static str); 2] {
     [(draw_on_cpu(packet), "processor"), (draw(packet), "GPU")]
 }
 
-/// One surfel in the middle of a cloud of radius 1.
+/// One surfel at the centre of a cloud of radius 1.
 fn one_surfel(normal: Vec3, color: [u8; 3], style: Style) -> ScenePacket {
     let surfel = Surfel {
         position: Vec3::ZERO,
@@ -43,7 +43,7 @@ fn center(picture: &RgbaImage) -> [u8; 3] {
     [red, green, blue]
 }
 
-/// The colour of a place under lights, all in view space: Lambert and Blinn 1977, added in linear light.
+/// The colour of a position under lights, all in view space: Lambert and Blinn 1977, added in linear light.
 fn expected(lights: &Lights, position: DVec3, normal: DVec3, color: [u8; 3]) -> [f64; 3] {
     let to_eye = -position.normalize();
     let normal = normal.normalize() * normal.dot(to_eye).signum();
@@ -122,7 +122,7 @@ fn surfaces_facing_a_matt_headlight_have_the_file_color() {
     }
 }
 
-/// Of a unit sphere in the middle: where the ray through a pixel meets it, in view space.
+/// For a unit sphere at the centre: where the ray through a pixel meets it, in view space.
 fn on_sphere(x: u32, y: u32, focal: [f32; 2]) -> Option<DVec3> {
     let ndc = |px: u32| (2.0 * f64::from(px) + 1.0) / f64::from(EDGE_PX) - 1.0;
     let [right, up] = focal.map(f64::from);

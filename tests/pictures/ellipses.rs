@@ -1,4 +1,4 @@
-//! Surfels that are longer than wide: what they cover, what they are made from, and what it takes.
+//! Surfels that are longer than wide: their coverage, their sources, and their cost.
 
 use crate::common::{Surfel, camera_at, draw, draw_on_cpu, plain, surfels};
 use glam::{DVec2, DVec3, Vec3};

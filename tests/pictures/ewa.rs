@@ -1,4 +1,4 @@
-//! EWA filtering: what is far away is as the pixels' mean of it, and what is near stays as it is.
+//! EWA filtering: far away, pixels show the mean of their area; nearby surfaces stay as they are.
 
 use crate::common::{Surfel, camera_at, draw, draw_on_cpu, plain, surfels};
 use glam::{DVec3, Vec3};
@@ -16,7 +16,7 @@ fn style(filter: SplatFilter) -> Style {
     })
 }
 
-/// A camera that sees so many points of a lattice with a spacing of 1 across a pixel, somewhat beside its middle.
+/// A camera that sees this many points of a lattice with a spacing of 1 across a pixel, slightly off its centre.
 fn camera(points_per_px: f64) -> Camera {
     Camera {
         target_in_world: DVec3::new(0.3, 0.2, 0.0) * points_per_px,
@@ -24,7 +24,7 @@ fn camera(points_per_px: f64) -> Camera {
     }
 }
 
-/// A lattice of black and white squares, so many points wide, that faces the eye and is larger than the picture.
+/// A lattice of black and white squares, this many points wide, that faces the eye and is larger than the image.
 fn checkers(points_per_px: f64, square: i32) -> Vec<Surfel> {
     let half = (0.5 * f64::from(EDGE_PX) * points_per_px) as i32 + 40;
     let surfel = |x: i32, y: i32| Surfel {
@@ -137,7 +137,7 @@ fn clamped_splats_match_the_common_definition() {
     }
 }
 
-/// What all pixels of a row, or of the picture, have of white surfels, in white pixels.
+/// The sum of white surfels over a row, or over the image, in white pixels.
 fn light_of(cloud: &[Surfel], camera: &Camera, draw: fn(&ScenePacket) -> RgbaImage, rows: std::ops::Range<u32>) -> f64 {
     let image = draw(&surfels(cloud, camera, style(SplatFilter::Ewa), [EDGE_PX; 2]));
     let of_row = |y: u32| {

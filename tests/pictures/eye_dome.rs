@@ -1,4 +1,4 @@
-//! Eye-dome lighting and the grid: what constructed scenes must look like, and both renderers against each other.
+//! Eye-dome lighting and the grid: the expected images of constructed scenes, and both renderers against each other.
 
 use crate::common::{self, Surfel, camera_at, draw, draw_on_cpu, sphere, surfels};
 use glam::{DVec3, Vec3};
@@ -19,12 +19,12 @@ const MIN_PSNR_DB: f64 = 48.0;
 /// A pixel that rounding puts to the other side of an edge changes the light of eight more.
 const MAX_DIFFERING: f64 = 2e-3;
 
-/// The same of points, whose middles are rounded before it is asked which pixel they are in, and of voxels, which are
-/// edges everywhere.
+/// The same for points, whose centres are rounded before their pixel is determined, and for voxels, which are edges
+/// everywhere.
 const MIN_PSNR_OF_EDGES_DB: f64 = 35.0;
 const MAX_DIFFERING_OF_EDGES: f64 = 5e-3;
 
-/// What a channel may differ by where pixels count as equal.
+/// Maximum difference of a channel where pixels count as equal.
 const STEP: u8 = 4;
 
 fn keep(picture: &RgbaImage, name: &str) {
@@ -102,7 +102,7 @@ fn step(depths: [f32; 2], unit: f32, size: [u32; 2], projection: Projection) -> 
 
 const STEP_SIZE: [u32; 2] = [64, 720];
 
-/// The channel of the middle row, column by column.
+/// The channel of the central row, column by column.
 fn center_row(picture: &RgbaImage) -> Vec<u8> {
     let y = picture.height() / 2;
     (0..picture.width()).map(|x| picture.get_pixel(x, y).0[0]).collect()

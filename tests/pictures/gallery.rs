@@ -1,5 +1,5 @@
-//! The first picture of whatever is opened: each set of `../shared/data` and generated clouds that mislead, without a
-//! setting touched. How much of a cloud the picture shows is counted point by point.
+//! The initial view of any input: each dataset of `../shared/data` and generated clouds that mislead, with default
+//! settings. The visible fraction of a cloud is counted point by point.
 
 #![allow(clippy::print_stdout, reason = "what was measured, for `--nocapture`")]
 
@@ -19,17 +19,17 @@ use std::sync::Arc;
 
 const SIZE_PX: [u32; 2] = [960, 600];
 
-/// What a first picture shows.
+/// Figures of an initial view.
 struct Shown {
     look: Arc<FirstLook>,
-    /// Share of the finite points of the first frame that are within the picture.
+    /// Fraction of the finite points of the first frame that are within the image.
     inside: f64,
     /// The same of those within the trimmed bounds.
     trimmed_inside: f64,
-    /// Extent of the points of the trimmed part in the picture, as a share of its smaller side: of the longer side of
+    /// Extent of the points of the trimmed part in the image, as a fraction of its smaller side: of the longer side of
     /// the rectangle around them.
     filled: f64,
-    /// Share of the pixels that points within the picture fall on which show something.
+    /// Of the pixels that points within the image fall on, the fraction that shows something.
     drawn: f64,
 }
 
@@ -73,14 +73,14 @@ fn first_picture(sequence: Sequence) -> Shown {
     }
 }
 
-/// The pixel of a place, if it is before the eye and within the picture.
+/// The pixel of a position, if it is before the eye and within the image.
 fn in_picture(camera: &Camera, place: DVec3) -> Option<[f64; 2]> {
     let px = camera.to_px(place, SIZE_PX)?;
     let is_inside = px.x >= 0.0 && px.y >= 0.0 && px.x < f64::from(SIZE_PX[0]) && px.y < f64::from(SIZE_PX[1]);
     is_inside.then_some([px.x, px.y])
 }
 
-/// The figures that every first picture keeps.
+/// The limits that every initial view meets.
 fn check(name: &str, sequence: Sequence) -> Shown {
     let shown = first_picture(sequence);
     println!(
@@ -161,7 +161,7 @@ fn figure(count: usize) -> Vec<Vec3> {
     points
 }
 
-/// What a camera at zero that looks along Z sees of points: the nearest in each direction, and what is beside them.
+/// The points seen by a camera at zero that looks along Z: the nearest in each direction, and those next to them.
 fn seen_along_z(points: Vec<[f32; 3]>) -> Vec<[f32; 3]> {
     let direction = |[x, y, z]: [f32; 3]| [x, y].map(|along| (150.0 * along / z).round() as i32);
     let mut nearest: HashMap<[i32; 2], f32> = HashMap::new();
@@ -204,7 +204,7 @@ fn objects_standing_on_zero_determine_the_up_axis() {
     }
 }
 
-/// A wall of which the sensor saw one side, with normals to that side.
+/// A wall that the sensor saw from one side, with normals to that side.
 #[test]
 fn a_wall_is_seen_from_its_front_and_does_not_vanish_from_behind() {
     let mut random = Random(5);
@@ -227,7 +227,7 @@ fn a_wall_is_seen_from_its_front_and_does_not_vanish_from_behind() {
     }
 }
 
-/// Rings of a scanner that turns about Z over a plain with walls far away.
+/// Rings of a scanner that rotates about Z over a plain with walls far away.
 #[test]
 fn a_sweep_is_seen_from_above_and_drawn_as_points() {
     let mut points = Vec::new();
@@ -313,7 +313,7 @@ fn no_point_one_point_and_equal_points_are_framed() {
     }
 }
 
-/// The sets of `../shared/data`, which a clone of the project does not have: what each must be taken for.
+/// The datasets of `../shared/data`, which a clone of the project does not have, and the expected kind of each.
 #[test]
 fn every_data_set_is_initially_complete_and_upright() {
     use CaptureKind::{CameraFrame, Object, Sweep};
@@ -417,7 +417,7 @@ fn missing_points_do_not_affect_the_image() {
 }
 
 /// Each kind of missing point with its neighbours: in a survey, near the sensor, one and many, in single and double
-/// precision. What is left is as it would be without them.
+/// precision. The rest is as it would be without them.
 #[test]
 fn generated_missing_points_do_not_affect_the_image() {
     let constants: [[f64; 3]; 6] = [
@@ -479,7 +479,7 @@ fn corpus(folder: &Path) {
     files.sort();
     for file in files {
         let name = file.strip_prefix(folder).unwrap().display().to_string();
-        // Whether it can be read is left to another test.
+        // Another test checks that it can be read.
         let Ok(sequence) = Sequence::discover(&[file]) else {
             continue;
         };

@@ -1,4 +1,4 @@
-//! Pictures with known answers: what is covered is counted by casting a ray through every pixel's middle in f64.
+//! Images with known answers: covered pixels are counted by casting a ray through every pixel's centre in f64.
 
 use crate::common::{self, Surfel, camera_at, count_color, covered, draw, plain, sphere, surfels, voxels};
 use glam::{DVec3, Vec3};
@@ -11,7 +11,8 @@ const RED: [u8; 3] = [255, 0, 0];
 const GREEN: [u8; 3] = [0, 255, 0];
 const SIZE: [u32; 2] = [200, 160];
 
-/// Whether the ray through the middle of a pixel meets the disk beyond the near plane, for `camera_at(distance)`.
+/// Returns true if the ray through the centre of a pixel meets the disk beyond the near plane, for
+/// `camera_at(distance)`.
 fn ray_hits_disk(surfel: &Surfel, radius: f64, distance: f64, x: u32, y: u32) -> bool {
     let [width, height] = SIZE.map(f64::from);
     // 90 degrees vertically: one unit at distance 1 is half the height.

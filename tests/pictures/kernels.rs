@@ -1,4 +1,4 @@
-//! What a splat has at a distance from its middle is what its kernel says.
+//! The weight of a splat at a distance from its centre is its kernel's value.
 
 use crate::common::{Surfel, camera_at, draw, plain, surfels};
 use glam::Vec3;

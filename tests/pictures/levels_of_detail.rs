@@ -1,4 +1,4 @@
-//! Levels of detail in pictures: surfels of octree cells beside all surfels.
+//! Levels of detail in images: surfels of octree cells compared with all surfels.
 
 use crate::common::{camera_at, colored_sphere, covered, draw, plain};
 use glam::DVec3;
@@ -22,7 +22,7 @@ fn packet(frame: &PreparedFrame, distance: f64, style: &Style) -> ScenePacket {
     Scene::default().packet(frame, DVec3::ZERO, &camera_at(distance), style, SIZE)
 }
 
-/// From afar a fraction of the surfels makes nearly the same picture, and a closed one.
+/// From afar a fraction of the surfels makes nearly the same image, and a closed one.
 #[test]
 fn few_surfels_represent_many() {
     let frame = colored_sphere(POINTS, &by_octree(Lod::default()));
@@ -48,7 +48,7 @@ fn few_surfels_represent_many() {
     assert!(errors[0].1 < 0.02, "{errors:?}");
 }
 
-/// What normal cones leave out would not have been drawn.
+/// Surfels culled by normal cones would not have been drawn.
 #[test]
 fn back_facing_surfels_are_culled_without_visible_change() {
     let style = by_octree(Lod::ThresholdPx(0.0));

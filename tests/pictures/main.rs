@@ -1,6 +1,6 @@
-//! Pictures of both renderers, and what they are made of: with known answers, beside one another, beside truths.
+//! Images of both renderers, and their inputs: with known answers, compared with each other and with ground truths.
 //!
-//! One program for all of them: to link one for each file took longer than to run them, and they share a device.
+//! One program for all of them: linking one per file took longer than running them, and they share a device.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helpers too")]
 

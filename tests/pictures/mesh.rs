@@ -109,7 +109,7 @@ fn packet(mesh: MeshRecords, camera: &Camera, style: Style) -> ScenePacket {
     }
 }
 
-/// The same picture but for pixels on edges, which rounding puts to either side.
+/// Equal images but for pixels on edges, which are rounded to either side.
 #[track_caller]
 fn assert_same_picture(packet: &ScenePacket, min_psnr_db: f64, what: &str) {
     let (gpu, cpu) = (draw(packet), draw_on_cpu(packet));
@@ -169,8 +169,8 @@ fn points_between_triangles_are_the_same_squares_and_disks() {
     }
 }
 
-/// Nearest distance along the view axis in the middle of a pixel, by all triangles in double precision; and how far
-/// inside of its triangle that is, as a share of it.
+/// Nearest distance along the view axis at the centre of a pixel, by all triangles in double precision; and how far
+/// inside its triangle that is, as a fraction of it.
 fn nearest(packet: &ScenePacket, x: u32, y: u32) -> Option<(f64, f64)> {
     let mesh = packet.content.mesh().unwrap();
     let view = &packet.view;
@@ -395,7 +395,7 @@ fn textures_are_interpolated_and_multiplied_as_linear_light() {
     }
 }
 
-/// Numbers of all sizes and no size: a picture or nothing, and never a panic.
+/// Numbers of all sizes and no size: an image or nothing, and never a panic.
 #[test]
 fn extreme_vertices_are_handled() {
     let extremes = [0.0, 1e-45, -1e-38, 1e-20, 1.0, 1e30, -3e38, f32::MAX];

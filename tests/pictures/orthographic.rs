@@ -1,4 +1,4 @@
-//! Orthographic pictures of both renderers against parallel rays in f64.
+//! Orthographic images of both renderers against parallel rays in f64.
 
 use crate::common::{self, Surfel, draw, draw_on_cpu, surfels};
 use glam::{DVec2, DVec3, Vec3};
@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 const SIZE: [u32; 2] = [1280, 720];
 
-/// As far from zero as the surface of the earth is from its middle.
+/// As far from zero as the surface of the earth is from its centre.
 const ECEF: DVec3 = DVec3::new(4_510_720.0, -3_911_168.0, 2_207_744.0);
 
 fn style(primitive: Primitive) -> Style {
@@ -49,8 +49,8 @@ fn packet_of(points: Vec<PointRecord>, camera: &Camera, origin: DVec3) -> SceneP
     }
 }
 
-/// Where parallel rays put a place, from the definition: the plane through the target is as large as perspective shows
-/// it.
+/// The pixel of a position under parallel rays, by definition: the plane through the target is as large as perspective
+/// shows it.
 fn parallel_px(camera: &Camera, place: DVec3) -> DVec2 {
     let [azimuth, elevation] = [camera.azimuth_deg, camera.elevation_deg].map(f64::to_radians);
     // With Z up, seen from -Y at an azimuth of 0.

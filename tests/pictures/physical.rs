@@ -1,5 +1,5 @@
 //! Metallic–roughness shading against its formulas in double precision, whose integrals are taken by brute force; and
-//! those against what they promise: no light is made or lost, and eye and lamp may change places.
+//! those against their guarantees: no light is made or lost, and eye and lamp are interchangeable.
 
 use crate::common::{Surfel, camera_at, draw, draw_on_cpu, plain, surfels, to_display, to_linear};
 use glam::{DVec3, Vec3};
@@ -11,7 +11,7 @@ use pointreel::scene::{
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-/// Odd, so that the middle of a pixel is on the axis of the view.
+/// Odd, so that the centre of a pixel is on the axis of the view.
 const EDGE_PX: u32 = 41;
 
 const DISTANCE: f64 = 3.0;
@@ -33,7 +33,7 @@ fn style_of(material: (f32, f32), rig: LightRig, environment: Environment) -> St
     })
 }
 
-/// One surfel in the middle of a cloud of radius 1.
+/// One surfel at the centre of a cloud of radius 1.
 fn one_surfel(normal: Vec3, color: [u8; 3], camera: &Camera, style: Style) -> ScenePacket {
     let surfel = Surfel {
         position: Vec3::ZERO,
@@ -46,7 +46,7 @@ fn one_surfel(normal: Vec3, color: [u8; 3], camera: &Camera, style: Style) -> Sc
     packet
 }
 
-/// What both renderers draw in the middle.
+/// The central pixel of both renderers.
 fn drawn(packet: &ScenePacket) -> [([u8; 3], &'static str); 2] {
     [(draw_on_cpu(packet), "processor"), (draw(packet), "GPU")].map(|(picture, by)| {
         let [red, green, blue, _] = picture.get_pixel(EDGE_PX / 2, EDGE_PX / 2).0;
@@ -88,13 +88,13 @@ fn schlick(reflectance: f64, facing: f64) -> f64 {
     reflectance + (1.0 - reflectance) * (1.0 - facing).powi(5)
 }
 
-/// A material in double precision: what a roughness loses, by brute force.
+/// A material in double precision: the energy loss of a roughness, by brute force.
 #[derive(Debug, Clone)]
 struct Exact {
     alpha: f64,
-    /// Of a surface that mirrors 0, and 1, at right angles, for cosines in equal steps.
+    /// For a surface that reflects 0, and 1, at normal incidence, for cosines in equal steps.
     mirrored: Vec<[f64; 2]>,
-    /// Of light by its cosine: the share that a bounce loses, and the share that a dielectric lets in.
+    /// For light by its cosine: the fraction that a bounce loses, and the fraction that a dielectric transmits.
     mean_loss: f64,
     mean_let_in: f64,
 }
@@ -119,7 +119,7 @@ impl Exact {
         exact
     }
 
-    /// Over all microfacets in equal shares of their distribution, whose density cancels out but for the cosines.
+    /// Over all microfacets in equal parts of their distribution, whose density cancels out but for the cosines.
     fn integral(cosine: f64, alpha: f64) -> [f64; 2] {
         const STEPS: [usize; 2] = [1000, 100];
         let to_eye = DVec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
@@ -169,18 +169,18 @@ impl Exact {
         mean * mean * (1.0 - self.mean_loss) / (1.0 - mean * self.mean_loss)
     }
 
-    /// What a metal of a colour sends to the eye of a lamp, times π.
+    /// The light of a lamp that a metal of a colour sends to the eye, times π.
     fn metal(&self, color: f64, cosines: Cosines) -> f64 {
         let again = self.loss(cosines.eye) * self.loss(cosines.light) / self.mean_loss;
         microfacets(cosines, self.alpha) * schlick(color, cosines.facing) + self.of_more_bounces(color) * again
     }
 
-    /// The share of light that a dielectric lets in.
+    /// The fraction of light that a dielectric transmits.
     fn let_in(&self, cosine: f64) -> f64 {
         1.0 - self.albedo(0.04, cosine) - self.of_more_bounces(0.04) * self.loss(cosine)
     }
 
-    /// The same of a dielectric.
+    /// The same for a dielectric.
     fn dielectric(&self, color: f64, cosines: Cosines) -> f64 {
         let below = color * self.let_in(cosines.eye) * self.let_in(cosines.light) / self.mean_let_in;
         self.metal(0.04, cosines) + below
@@ -198,7 +198,7 @@ fn mean(of: impl Fn(f64) -> f64) -> f64 {
     2.0 * cosines.map(|cosine| cosine * of(cosine)).sum::<f64>() / f64::from(steps)
 }
 
-/// What is mirrored from a direction of the environment: four texels, in double precision.
+/// The reflection from a direction of the environment: four texels, in double precision.
 fn texel_between(tables: &PhysicalTables, direction: DVec3) -> DVec3 {
     let on = direction / (direction.x.abs() + direction.y.abs() + direction.z.abs());
     let (mut x, mut z) = (on.x, on.z);
@@ -221,7 +221,7 @@ fn texel_between(tables: &PhysicalTables, direction: DVec3) -> DVec3 {
     upper.lerp(lower, row - top)
 }
 
-/// The polynomial of what matt surfaces send back.
+/// The polynomial of the light that matt surfaces send back.
 fn harmonics(coefficients: &[Vec3; 9], DVec3 { x, y, z }: DVec3) -> DVec3 {
     let basis = [1.0, y, z, x, x * y, y * z, 3.0 * z * z - 1.0, x * z, x * x - y * y];
     let products = coefficients.iter().zip(basis);
@@ -231,7 +231,7 @@ fn harmonics(coefficients: &[Vec3; 9], DVec3 { x, y, z }: DVec3) -> DVec3 {
     light.max(DVec3::ZERO)
 }
 
-/// The colour of the middle of a picture, all in view space.
+/// The colour at the centre of an image, all in view space.
 fn expected(packet: &ScenePacket, exact: &Exact, normal: Vec3, color: [u8; 3]) -> [f64; 3] {
     let lights = Lights::of(packet).unwrap();
     let physical = PhysicalLight::of(packet).unwrap();
@@ -299,7 +299,7 @@ fn surfaces_match_the_double_precision_formulas() {
     }
 }
 
-/// The white furnace: whatever it is made of, a white surface in white light from all sides is white.
+/// The white furnace: whatever its material, a white surface in white light from all sides is white.
 #[test]
 fn white_surfaces_in_white_light_from_all_sides_are_white() {
     let camera = camera_at(DISTANCE);
@@ -317,7 +317,7 @@ fn white_surfaces_in_white_light_from_all_sides_are_white() {
     }
 }
 
-/// The same of lamps: those of all directions together are white light from all sides.
+/// The same for lamps: all directions together are white light from all sides.
 #[test]
 fn lamp_light_is_conserved() {
     for roughness in [0.3, 0.6, 1.0] {
@@ -348,7 +348,7 @@ fn lamp_light_is_conserved() {
 }
 
 proptest! {
-    /// Eye and lamp may change places.
+    /// Eye and lamp are interchangeable.
     #[test]
     fn reflection_is_reciprocal(
         [a, b] in [[-1.0f64..1.0, -1.0..1.0, 0.02..1.0], [-1.0f64..1.0, -1.0..1.0, 0.02..1.0]],
@@ -380,7 +380,7 @@ fn gradient_file(folder: &tempfile::TempDir) -> Environment {
     path.to_str().unwrap().parse().unwrap()
 }
 
-/// A mirror shows the environment as it is; matt surfaces show what Lambert says.
+/// A mirror shows the environment as it is; matt surfaces follow Lambert.
 #[test]
 fn mirrors_show_the_environment_image_and_matt_surfaces_its_mean() {
     let folder = tempfile::tempdir().unwrap();
@@ -417,8 +417,8 @@ fn mirrors_show_the_environment_image_and_matt_surfaces_its_mean() {
     }
 }
 
-/// Harmonics and the split sum are approximations. Beside the integrals that they stand for, the light of environments
-/// with sharp lamps is off by so much of white at most, and by so much in the mean.
+/// Harmonics and the split sum are approximations. Compared with the integrals that they approximate, the light of
+/// environments with sharp lamps is off by this fraction of white at most, and by this in the mean.
 #[test]
 fn environment_lighting_is_close_to_its_integral() {
     const MAX: f64 = 0.30;
@@ -499,7 +499,7 @@ fn environment_lighting_is_close_to_its_integral() {
     assert!(mean < MEAN && max < MAX, "{mean}, {max}");
 }
 
-/// An environment stays where it is when the camera goes around the scene, and up is up whatever axis that is.
+/// An environment stays where it is when the camera orbits the scene, and up is up whatever axis that is.
 #[test]
 fn environments_turn_with_the_scene() {
     let style = style_of((1.0, 0.0), LightRig::None, Environment::Sky);
@@ -534,7 +534,7 @@ fn environments_turn_with_the_scene() {
     assert_ne!(shown[0], shown[1]);
 }
 
-/// What is near keeps the environment away, and the key light casts shadows, as in other deferred light.
+/// Nearby surfaces occlude the environment, and the key light casts shadows, as in other deferred light.
 #[test]
 fn occlusion_and_shadows_dim_physical_light() {
     let style = style_of((0.0, 0.6), LightRig::ThreePoint, Environment::Studio);

@@ -1,4 +1,4 @@
-//! Picks against the picture: what is picked is what is drawn.
+//! Picks against the image: the picked record is the drawn one.
 
 use crate::common;
 use crate::common::draw_on_cpu;
@@ -18,10 +18,10 @@ use std::sync::Arc;
 
 const SIZE: [u32; 2] = [320, 240];
 
-/// Every so many pixels are looked at in rows and columns.
+/// Step between tested pixels in rows and columns.
 const STRIDE: u32 = 3;
 
-/// So many points of a torus, each in a colour that no other has.
+/// This many points of a torus, each in a colour that no other has.
 fn torus(count: usize, style: &Style) -> PreparedFrame {
     let shape = Sequence::of(Shape::Torus.frame(count)).frame(0).unwrap();
     let positions: Vec<[f32; 3]> = shape.positions().iter().map(Vec3::to_array).collect();
@@ -81,8 +81,8 @@ fn packet_of(frame: &PreparedFrame, style: &Style) -> ScenePacket {
     Scene::default().packet(frame, DVec3::ZERO, &camera, style, SIZE)
 }
 
-/// Compares pixels all over the picture, each that shows one record alone, or nothing, with what is picked there: the
-/// share that agrees, and how many pixels showed a record.
+/// Compares pixels all over the image, each that shows one record alone, or nothing, with the pick there: the fraction
+/// that agrees, and how many pixels showed a record.
 fn agreement(
     image: &RgbaImage,
     numbers: &HashMap<Color, usize>,
@@ -284,7 +284,7 @@ fn parallel_rays_pick_what_they_draw() {
     assert!(shown > 1_000, "{shown} pixels");
 }
 
-/// What is drawn from byte codes is picked near the point that is picked where the same surfels are drawn as disks.
+/// A pick on surfels drawn from byte codes is near the pick where the same surfels are drawn as disks.
 #[test]
 fn byte_codes_are_picked_where_their_surfels_are_drawn() {
     let disks = style(Primitive::Surfel);

@@ -23,7 +23,7 @@ fn points(change: impl FnOnce(&mut Style)) -> Style {
     })
 }
 
-/// From afar, cells of the octree that are small there are one point each, as large as they are.
+/// From afar, small cells of the octree are one point each, of the cell's size.
 #[test]
 fn adaptive_points_of_levels_of_detail_are_fewer_and_leave_no_hole() {
     let sequence = Sequence::demo();
@@ -82,7 +82,7 @@ fn point(position: Vec3, radius: f32) -> Surfel {
     }
 }
 
-/// The same packet as the processor and as the GPU draws it.
+/// Images of a packet by the CPU and by the GPU.
 fn drawn_by_both(packet: &ScenePacket) -> [RgbaImage; 2] {
     let mut processor = CpuRenderer::new();
     processor.prepare(packet).unwrap();
@@ -167,8 +167,8 @@ fn no_point_vanishes_at_any_distance() {
     }
 }
 
-/// Adaptive points are disks that face the screen, as large as surfels are: of surfels that do so by themselves they
-/// are the picture, in whatever light.
+/// Adaptive points are disks that face the screen, as large as surfels are: where surfels do so by themselves the image
+/// is the same, in any light.
 #[test]
 fn adaptive_points_are_surfels_that_face_the_screen() {
     let mut cloud = sphere(700, 1.0);
@@ -212,7 +212,7 @@ fn step(a: Rgba<u8>, b: Rgba<u8>) -> u8 {
     steps.max().unwrap_or(0)
 }
 
-/// As points that face the screen stand behind one another on slopes, their rims are opaque.
+/// As points that face the screen stand behind one another on slopes, their edges are opaque.
 #[test]
 fn no_background_shines_through_gaussian_points() {
     let style = points(|style| {

@@ -1,4 +1,4 @@
-//! Nodes of levels of detail whose records are resident: a view that moves uploads places, and draws the same bytes.
+//! Nodes of levels of detail whose records are resident: a moving view uploads indices, and draws the same bytes.
 
 use crate::common::{self, camera_at, colored_sphere, cost, plain};
 use glam::DVec3;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 const SIZE: [u32; 2] = [120, 100];
 const POINTS: u32 = 5000;
 
-/// Those whose nodes have records that stay, and how fine they are drawn: a list knows no size on the screen.
+/// Those whose nodes have records that stay, and how fine they are drawn: a list knows no screen-space size.
 const STRUCTURES: [(LevelStructure, Lod); 6] = [
     (LevelStructure::Octree, Lod::ThresholdPx(3.0)),
     (LevelStructure::None, Lod::Budget(POINTS / 3)),
@@ -33,7 +33,7 @@ fn style((structure, lod): (LevelStructure, Lod), strategy: Strategy) -> Style {
     style.drawn_by(false)
 }
 
-/// A moving view of a scene that has written its share of records before.
+/// A moving view of a scene that has written enough records before.
 struct Moving {
     scene: Scene,
     frame: PreparedFrame,
@@ -71,7 +71,7 @@ fn context_of_small_chunks() -> Arc<Context> {
     Context::headless(&options).unwrap()
 }
 
-/// The packet whose records lie side by side.
+/// The packet with contiguous records.
 fn gathered(packet: &ScenePacket) -> ScenePacket {
     let Content::Selected(selected) = &packet.content else {
         panic!("nodes are selected")

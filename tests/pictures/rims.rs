@@ -1,4 +1,4 @@
-//! Rims of splats before others: what lies behind them shines through, and not the background.
+//! Edges of splats in front of others: the splats behind them show through, and not the background.
 
 use crate::common::{Surfel, camera_at, draw, draw_on_cpu, plain, surfels};
 use glam::Vec3;
@@ -8,14 +8,14 @@ use pointreel::scene::{Background, EyeDome, LightRig, Lighting, Primitive, Scene
 
 const EDGE_PX: u32 = 200;
 
-/// What is changed of the settings of [`style`].
+/// Changes to the settings of [`style`].
 type Change = fn(&mut Style);
 
 /// Neither has anything of blue.
 const RED: [u8; 3] = [220, 30, 0];
 const GREEN: [u8; 3] = [40, 200, 0];
 
-/// A red square before a green wall, which is wider than the picture unless it `ends`.
+/// A red square before a green wall, which is wider than the image unless it `ends`.
 fn square_before_wall(style: &Style, ends: bool) -> ScenePacket {
     let square = |half_edge: f32, z: f32, color: [u8; 3]| {
         let steps = (half_edge / 0.05) as i32;

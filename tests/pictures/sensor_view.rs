@@ -1,4 +1,4 @@
-//! A frame of a depth camera, drawn from where the camera was: the picture is its image, pixel by pixel.
+//! A frame of a depth camera, drawn from where the camera was: the result is its image, pixel by pixel.
 
 use crate::common;
 use glam::{DVec2, DVec3};
@@ -14,10 +14,10 @@ use pointreel::sequence::{ColorSource, Coloring, Needs, PrepareCounters, Prepare
 use std::sync::Arc;
 
 const SIZE: [u32; 2] = [160, 120];
-/// Of no point.
+/// Colour of pixels without a point.
 const BACKGROUND: [u8; 3] = [0; 3];
 
-/// Depths that jump from pixel to pixel, and holes, so that a picture shifted by a pixel is another one.
+/// Depths that jump from pixel to pixel, and holes, so that an image shifted by a pixel differs.
 fn depths() -> Vec<f32> {
     let depth = |index: u32| match index.wrapping_mul(2_654_435_761) >> 16 {
         hash if hash.is_multiple_of(7) => 0.0,
@@ -32,7 +32,7 @@ fn color(index: usize) -> [u8; 3] {
     [low, high, 200]
 }
 
-/// Far from a camera of the window: its pixels are not square, and its axis is far from the middle.
+/// Far from a camera of the window: its pixels are not square, and its axis is far from the centre.
 fn sensor() -> Sensor {
     let camera = Camera::new(
         SIZE,

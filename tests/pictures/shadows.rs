@@ -1,4 +1,4 @@
-//! Shadows of constructed scenes, by both renderers: where rays to the lamp say that they are, and nowhere else.
+//! Shadows of constructed scenes, by both renderers: exactly where rays to the lamp are blocked.
 
 use crate::common::{self, Surfel, camera_at, context, draw, draw_on_cpu, draw_with, plain, sphere, surfels, voxels};
 use glam::{DVec3, Vec3};
@@ -27,7 +27,7 @@ fn lit(lighting: Lighting, splatting: Splatting) -> Style {
     })
 }
 
-/// Points on whose normals light falls, as large as their surfels.
+/// Points lit by their normals, as large as their surfels.
 fn lit_points(shape: PointShape) -> Style {
     lit(Lighting::Lambert, Splatting::TwoPass).with(|style| {
         style.primitive = Primitive::Point;
@@ -46,7 +46,7 @@ fn camera() -> Camera {
     }
 }
 
-/// Pictures without shadows and with them, by each renderer.
+/// Images without shadows and with them, by each renderer.
 fn without_and_with(packet: &ScenePacket) -> [([RgbaImage; 2], &'static str); 2] {
     let mut without = packet.clone();
     without.style.light.shadows = OnOff::Off;
@@ -88,7 +88,7 @@ fn box_of_surfels(style: Style) -> ScenePacket {
     surfels(&cloud, &camera(), style, SIZE)
 }
 
-/// The same of triangles, two for each rectangle.
+/// The same with triangles, two for each rectangle.
 fn box_of_triangles(style: Style) -> ScenePacket {
     let [low, high] = BOX.map(|corner: DVec3| corner.as_vec3());
     let (midpoint, half) = (0.5 * (low + high), 0.5 * (high - low));
@@ -132,7 +132,7 @@ fn box_of_triangles(style: Style) -> ScenePacket {
     }
 }
 
-/// The same of cells with an edge of 1/16.
+/// The same with cells with an edge of 1/16.
 fn box_of_cells(style: Style) -> ScenePacket {
     const EDGE: f32 = 0.0625;
     let place = |cell: i32| (cell as f32 + 0.5) * EDGE;
@@ -157,14 +157,14 @@ fn box_of_cells(style: Style) -> ScenePacket {
     voxels(records.collect(), 64.0 * EDGE, &camera(), style, SIZE)
 }
 
-/// Where a ray enters a box; `None` where it does not.
+/// Distance at which a ray enters a box; `None` where it does not.
 fn enters([low, high]: [DVec3; 2], from: DVec3, ray: DVec3) -> Option<f64> {
     let [low, high] = [(low - from) / ray, (high - from) / ray];
     let (first, last) = (low.min(high).max_element(), low.max(high).min_element());
     (first < last && first > 0.0).then_some(first)
 }
 
-/// What rays say of a pixel.
+/// The result of rays for a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Floor {
     Lit,
@@ -173,8 +173,7 @@ enum Floor {
     Unsure,
 }
 
-/// Whether the middle of a pixel shows the floor, and whether the box is between all places within `margin` and the
-/// lamp.
+/// The floor at the centre of a pixel: in shadow if the box is between all positions within `margin` and the lamp.
 fn floor_at(packet: &ScenePacket, to_lamp: DVec3, [x, y]: [u32; 2], margin: f64) -> Floor {
     let view = &packet.view;
     let [width, height] = SIZE.map(f64::from);
@@ -345,7 +344,7 @@ fn points_on_a_plane_do_not_shadow_each_other() {
     }
 }
 
-/// Points that no light falls on are in no shadow; those of any size cast the shadows of their surfels.
+/// Unlit points receive no shadow; points of any size cast the shadows of their surfels.
 #[test]
 fn the_pixel_size_of_points_does_not_affect_shadows() {
     let of_size = |size_px| {

@@ -42,7 +42,7 @@ fn the_near_sheet_hides_the_far_one_from_both_sides() {
             azimuth_deg,
             ..camera_at(1.2)
         };
-        // How much of the far sheet shows in the middle of the image, and the least of the near one.
+        // How much of the far sheet shows at the centre of the image, and the minimum of the near one.
         let shown = |splatting: Splatting| {
             let packet = sheets(0.2, &camera, |style| style.surfels.splatting = splatting);
             [draw(&packet), draw_on_cpu(&packet)].map(|image| {
@@ -76,7 +76,7 @@ fn the_near_sheet_hides_the_far_one_from_both_sides() {
 
 #[test]
 fn sheets_within_the_depth_offset_are_blended() {
-    // Half a radius apart: one surface by default, of which the far sheet is half.
+    // Half a radius apart: one surface by default, half of it the far sheet.
     for (depth_offset, far) in [(1.0, 128), (0.4, 0), (0.0, 0)] {
         let packet = sheets(0.5 * RADIUS, &camera_at(1.2), |style| {
             style.surfels.depth_offset = depth_offset;

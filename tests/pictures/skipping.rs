@@ -1,4 +1,4 @@
-//! The counters prove that work is skipped: what is resident is not uploaded, what is unchanged is not drawn.
+//! The counters prove that work is skipped: resident data is not uploaded, an unchanged image is not drawn.
 
 use crate::common::{self, camera_at, cost, plain, sphere, surfels, voxels};
 use pointreel::cloud::VoxelRecord;

@@ -1,5 +1,5 @@
-//! What the GPU draws a splat as does not show: pictures of all geometries are those of quads, and splats are the disks
-//! that rays meet.
+//! The geometry of a splat does not show: images of all geometries equal those of quads, and splats are the disks that
+//! rays meet.
 
 use crate::common::{self, Surfel, camera_at, draw, draw_on_cpu, plain, sphere, surfels};
 use glam::{DVec3, Vec3};
@@ -47,15 +47,15 @@ fn with_geometry(packet: &ScenePacket, geometry: SplatGeometry) -> ScenePacket {
     packet
 }
 
-/// Pixels of which a channel differs by more than `steps`.
+/// Pixels with a channel that differs by more than `steps`.
 fn differing(a: &RgbaImage, b: &RgbaImage, steps: u8) -> usize {
     let differs =
         |(a, b): &(&image::Rgba<u8>, &image::Rgba<u8>)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > steps);
     a.pixels().zip(b.pixels()).filter(differs).count()
 }
 
-/// Corners are rounded to a 256th of a pixel, others by another geometry. So a pixel whose middle is as near to a rim
-/// may be on either side of it, which shows where splats are opaque up to their rims.
+/// Corners are rounded to a 256th of a pixel, others by another geometry. So a pixel whose centre is that near to an
+/// edge may be on either side of it, which shows where splats are opaque up to their edges.
 fn assert_picture_of_quads(packet: &ScenePacket, steps: u8) {
     let quads = draw(&with_geometry(packet, SplatGeometry::Quad));
     for &geometry in SplatGeometry::ALL {
@@ -89,7 +89,7 @@ fn images_of_all_geometries_match_those_of_quads() {
     }
 }
 
-/// Light for each vertex is worked out farther from the splat's middle the larger what carries it is.
+/// Light per vertex is computed farther from the splat's centre, the larger its geometry is.
 #[test]
 fn per_vertex_light_differs_little_where_splats_are_small() {
     let cloud = sphere(1500, 1.0);
@@ -98,7 +98,7 @@ fn per_vertex_light_differs_little_where_splats_are_small() {
     }
 }
 
-/// Its squares are the picture.
+/// Its squares are the image.
 #[test]
 fn regular_splatting_is_drawn_as_quads_whatever_is_chosen() {
     let style = plain().with(|style| style.surfels.splatting = Splatting::Regular);
@@ -131,7 +131,7 @@ fn the_software_renderer_draws_the_same_bytes_whatever_is_chosen() {
     }
 }
 
-/// How far along its ray a place of the picture meets a disk beyond the near plane, seen by [`camera_at`].
+/// Distance along its ray at which a position of the image meets a disk beyond the near plane, seen by [`camera_at`].
 fn meets(disk: &Surfel, camera_distance: f64, place_px: [f64; 2]) -> Option<f64> {
     let half = f64::from(EDGE_PX) / 2.0;
     let ray = DVec3::new(place_px[0] / half - 1.0, 1.0 - place_px[1] / half, -1.0);
@@ -142,7 +142,7 @@ fn meets(disk: &Surfel, camera_distance: f64, place_px: [f64; 2]) -> Option<f64>
     (t > 0.005 * camera_distance && (ray * t - center).length() <= f64::from(disk.radius)).then_some(t)
 }
 
-/// The colour of the nearest disk that a place of the picture meets.
+/// The colour of the nearest disk that a position of the image meets.
 fn nearest(disks: &[Surfel], camera_distance: f64, place_px: [f64; 2]) -> [u8; 3] {
     let met = disks
         .iter()
@@ -151,7 +151,7 @@ fn nearest(disks: &[Surfel], camera_distance: f64, place_px: [f64; 2]) -> [u8; 3
         .map_or(BLACK, |(_, color)| color)
 }
 
-/// The colour of a pixel, if it is the same a 64th of a pixel around its middle: beyond that, corners are not rounded.
+/// The colour of a pixel, if it is the same a 64th of a pixel around its centre: beyond that, corners are not rounded.
 fn certain_color(disks: &[Surfel], camera_distance: f64, [x, y]: [u32; 2]) -> Option<[u8; 3]> {
     let midpoint = [f64::from(x) + 0.5, f64::from(y) + 0.5];
     let colors = [[0.0; 2], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]].map(|[right, down]: [f64; 2]| {

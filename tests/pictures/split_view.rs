@@ -1,4 +1,4 @@
-//! The pictures of two sequences beside each other, by both renderers.
+//! The images of two sequences side by side, by both renderers.
 
 use crate::common::{covered, difference, draw, draw_on_cpu};
 use glam::{DVec2, DVec3, Vec3};
@@ -10,7 +10,7 @@ use pointreel::sequence::{ColorSource, FrameEntry, Sequence, Shape};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Where surveys are.
+/// Coordinates typical of surveys.
 const SURVEY: DVec3 = DVec3::new(4_510_731.25, -3_911_168.5, 2_207_744.75);
 
 /// A sequence that begins as a smaller cloud nearby.
@@ -19,7 +19,7 @@ const NEAR: &[(DVec3, f64)] = &[
     (SURVEY, 1.0),
 ];
 
-/// Points of a torus, a frame for each place and factor of its size.
+/// Points of a torus, one frame per position and factor of its size.
 fn tori(frames: &'static [(DVec3, f64)]) -> Arc<Sequence> {
     let source = |number: u64| FrameEntry {
         number: Some(number),
@@ -69,7 +69,7 @@ fn packets(state: &mut State) -> [ScenePacket; 2] {
     [state.next_packet(), state.next_other_packet()].map(Option::unwrap)
 }
 
-/// Both pictures by the processor, and both by the adapter.
+/// Both images by the CPU, and both by the adapter.
 fn drawn_by_each(packets: &[ScenePacket; 2]) -> [[RgbaImage; 2]; 2] {
     [packets.each_ref().map(draw_on_cpu), packets.each_ref().map(draw)]
 }
@@ -104,7 +104,7 @@ fn a_sequence_compared_with_itself_has_equal_halves_and_no_error() {
     }
 }
 
-/// Where the records of a packet are in its picture.
+/// Positions of the records of a packet in its image.
 fn on_picture(packet: &ScenePacket) -> Vec<DVec2> {
     let [width, height] = packet.viewport_px.map(f64::from);
     let place = |position: [f32; 3]| {

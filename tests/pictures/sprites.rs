@@ -1,5 +1,5 @@
-//! Disks that are drawn on squares of pixels: what they cover and hide, against rays in f64, and beside disks that are
-//! drawn on their surface.
+//! Disks that are drawn on squares of pixels: their coverage and occlusion, against rays in f64, and against disks that
+//! are drawn on their surface.
 
 use crate::common::{Surfel, camera_at, draw, draw_on_cpu, plain, sphere, surfels};
 use glam::{DVec3, Vec3};
@@ -27,7 +27,7 @@ fn hard() -> Style {
     })
 }
 
-/// Where the ray through a pixel meets the plane of a surfel: the depth, and how far from its middle, in radii.
+/// Intersection of the ray through a pixel with the plane of a surfel: depth, and distance from its centre, in radii.
 fn meets(packet: &ScenePacket, surfel: &Surfel, x: u32, y: u32) -> Option<[f64; 2]> {
     let view = &packet.view;
     let [width, height] = packet.viewport_px.map(f64::from);
@@ -184,7 +184,7 @@ fn sprites_match_the_disks_of_surfels() {
     }
 }
 
-/// Corners of quads hide what is behind them in one pass; sprites have none on their surface.
+/// Corners of quads occlude in one pass; sprites have none on their surface.
 #[test]
 fn sprites_in_one_pass_have_no_square_artefacts() {
     let white = Surfel {

@@ -1,4 +1,4 @@
-//! All instancing strategies draw the same picture, byte for byte, from the same packet.
+//! All instancing strategies draw the same image, byte for byte, from the same packet.
 
 use crate::common::{self, camera_at, draw_with, plain, software, sphere, surfels, voxels};
 use glam::Vec3;
@@ -12,7 +12,7 @@ use pointreel::scene::{
 use pointreel::sequence::{PrepareCounters, Sequence, prepare};
 use std::sync::Arc;
 
-/// Draws `packet` with every strategy and asserts that the pictures are equal and not empty.
+/// Draws `packet` with every strategy and asserts that the images are equal and not empty.
 fn assert_agreement(renderer: &mut GpuRenderer, packet: &ScenePacket, what: &str) {
     let mut reference = None;
     for &strategy in Strategy::ALL {
@@ -204,7 +204,7 @@ fn surfels_from_both_sides() {
     assert_agreement(&mut renderer, &packet, "both sides");
 }
 
-/// What the rasteriser's grid may turn around: of such surfels, compute passes must not drop one that others draw.
+/// Surfels that the rasteriser's grid may flip: compute passes must not drop one that others draw.
 #[test]
 fn small_surfels_seen_nearly_edge_on() {
     let mut renderer = GpuRenderer::new(common::context()).unwrap();

@@ -1,4 +1,4 @@
-//! The tone curve: what it does to pictures, and both renderers against each other.
+//! The tone curve: its effect on images, and both renderers against each other.
 
 use crate::common::{camera_at, draw, draw_on_cpu, sphere, surfels};
 use image::RgbaImage;
@@ -15,7 +15,7 @@ fn ball(gamma: f32, antialiasing: Antialiasing) -> ScenePacket {
     surfels(&sphere(2000, 1.0), &camera_at(2.0), style, [160, 120])
 }
 
-/// Most by which channels of a picture are off the curve of another one.
+/// Maximum deviation of an image's channels from the curve of another one.
 fn max_off(toned: &RgbaImage, plain: &RgbaImage, gamma: f32) -> u8 {
     let on_curve = |byte: u8| ((f32::from(byte) / 255.0).powf(1.0 / gamma) * 255.0).round() as u8;
     let pairs = toned.pixels().zip(plain.pixels());

@@ -1,4 +1,4 @@
-//! Surfels of the screen that a graphics card makes: those of the processor, drawn alike by all strategies, without an
+//! Surfels of the screen made on a GPU: equal to the CPU's, drawn alike by all strategies, without an
 //! upload for each view.
 
 use crate::common::{camera_at, context, cost, difference, draw_with};
@@ -65,7 +65,7 @@ fn making(context: Arc<Context>) -> GpuRenderer {
     renderer
 }
 
-/// Pixels of which a channel differs by more than rounding.
+/// Pixels with a channel that differs by more than rounding.
 fn differing(a: &RgbaImage, b: &RgbaImage) -> usize {
     let pixels = a.pixels().zip(b.pixels());
     let is_off = |a: &[u8; 4], b: &[u8; 4]| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 8);
@@ -168,7 +168,7 @@ fn style_of_images() -> Style {
     style().with(|style| style.colors.source = ColorSource::File)
 }
 
-/// Pictures from where the camera stood and from the side.
+/// Images from the camera's viewpoint and from the side.
 fn packets_of_images(frame: &PreparedFrame, style: &Style) -> Vec<ScenePacket> {
     let packet = |azimuth_deg| {
         let camera = Camera {

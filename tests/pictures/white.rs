@@ -1,9 +1,9 @@
-//! A closed white surface without light is white: whatever draws it, and however it is blended, no pixel that the truth
+//! A closed white surface without light is white: for every primitive and blending mode, no pixel that the truth
 //! covers with all its samples is darker than white.
 //!
 //! Held: every primitive, every mode of splatting, both renderers and every strategy; and every primitive in white
 //! light from all sides, in each deferred lighting, and with antialiasing. Modes of one pass are not white
-//! on purpose, and are held to be so; `visibility` shows depths and no colours. `two-pass` fades at the rims of its
+//! on purpose, and are held to be so; `visibility` shows depths and no colours. `two-pass` fades at the edges of its
 //! disks, and so where three of them only just meet: held to be few pixels.
 
 use crate::common::{camera_at, draw, draw_on_cpu, plain};
@@ -26,13 +26,13 @@ use std::sync::Arc;
 
 const SIZE: [u32; 2] = [240, 200];
 
-/// What rounding to bytes may take from white.
+/// The maximum that rounding to bytes may take from white.
 const MIN_WHITE: u8 = 254;
 
-/// The modes that blend beyond the rims of disks that touch, or blend nothing.
+/// The modes that blend beyond the edges of touching disks, or blend nothing.
 const CLOSING: [Splatting; 3] = [Splatting::Enlarged, Splatting::TwoPassEnlarged, Splatting::Opaque];
 
-/// A unit sphere whose points are at random places and white, prepared for a style: radii are estimated.
+/// A unit sphere whose points are at random positions and white, prepared for a style: radii are estimated.
 fn white_sphere(count: usize, style: &Style) -> PreparedFrame {
     let sampled = Sequence::of(Shape::Sphere.frame(count)).frame(0).unwrap();
     let positions: Vec<[f32; 3]> = sampled.positions().iter().map(Vec3::to_array).collect();
@@ -107,7 +107,7 @@ fn packet_of(frame: &PreparedFrame, style: &Style) -> ScenePacket {
     Scene::default().packet(frame, DVec3::ZERO, &camera(), style, SIZE)
 }
 
-/// How many covered pixels are darker than white, and how dark the darkest is.
+/// Number of covered pixels darker than white, and the value of the darkest.
 fn darker(picture: &RgbaImage, is_covered: &[bool]) -> (usize, u8) {
     let covered = picture.pixels().zip(is_covered).filter(|&(_, &is_covered)| is_covered);
     let darkest = covered.map(|(pixel, _)| pixel.0[..3].iter().copied().min().unwrap());
@@ -135,7 +135,7 @@ fn with_strategy(style: &Style, strategy: Strategy) -> Style {
     style.with(|style| style.drawing.strategy = strategy)
 }
 
-/// What is drawn by the processor, and by each strategy of the GPU.
+/// The image of the CPU, and of each strategy of the GPU.
 fn for_each_picture(frame: &PreparedFrame, style: &Style, mut check: impl FnMut(&RgbaImage, &str)) {
     check(&draw_on_cpu(&packet_of(frame, style)), "processor");
     for &strategy in Strategy::ALL {
@@ -144,7 +144,7 @@ fn for_each_picture(frame: &PreparedFrame, style: &Style, mut check: impl FnMut(
     }
 }
 
-/// Coarse disks are large beside pixels, so that some are in the corners where three disks only just meet.
+/// Coarse disks are large compared with pixels, so that some are in the corners where three disks only just meet.
 #[test]
 fn surfels_in_the_modes_that_close_surfaces_are_white() {
     for count in [300, 3_000, 30_000] {
@@ -172,7 +172,7 @@ fn sprites_in_the_modes_that_close_surfaces_are_white() {
     }
 }
 
-/// Of disks that are not enlarged, three rims sum up to less than what is opaque.
+/// Of disks that are not enlarged, three edges sum up to less than opaque.
 #[test]
 fn two_pass_surfels_are_white_except_for_corners_between_disks() {
     for (count, max_share) in [(300, 0.05), (3_000, 0.003), (30_000, 0.001)] {
@@ -219,7 +219,7 @@ fn filtered_surfels_in_the_modes_that_close_surfaces_are_white_inside_outlines()
     }
 }
 
-/// What the largest disks in the ellipses cover is covered by the ellipses.
+/// Everything covered by the largest disks in the ellipses is covered by the ellipses.
 #[test]
 fn ellipses_in_the_modes_that_close_surfaces_are_white() {
     let of_ellipses = |splatting| in_mode(splatting).with(|style| style.primitive = Primitive::Ellipse);
@@ -272,7 +272,7 @@ fn weakly_enlarged_surfels_are_white() {
     }
 }
 
-/// Where masks are opacities, what is behind shines through their rims: Fig. 3 (a) and (b) of the paper show that.
+/// Where masks are opacities, the background shines through their edges: Fig. 3 (a) and (b) of the paper show that.
 #[test]
 fn one_pass_shows_the_artefacts_of_the_paper() {
     let frame = white_sphere(3_000, &white());
@@ -472,7 +472,7 @@ fn kernels_are_white() {
     }
 }
 
-/// As exact disks and as masks: pixels of single cells are no surface.
+/// As exact disks and as masks: pixels of single cells are not a surface.
 #[test]
 fn byte_codes_are_white() {
     for footprint in [Footprint::Disks, Footprint::Masks] {

@@ -1,4 +1,4 @@
-//! Guesses on stderr: each is a line, and what a person chooses is none.
+//! Guesses on stderr: each is a line; the user's choices are not listed.
 
 use pointreel::assumption::Subject;
 use std::fs;
@@ -12,7 +12,7 @@ const PRIMITIVE: &str = "assumed primitive: point (the points are too sparse for
 const COLORS: &str = "assumed colours: normal (the file has no colours, so normals show the shape; statistics; change \
     with --colors)";
 
-/// A file that says none of them.
+/// A file that states none of them.
 fn cloud(folder: &Path) -> PathBuf {
     let path = folder.join("a.ply");
     let header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
@@ -20,7 +20,7 @@ fn cloud(folder: &Path) -> PathBuf {
     path
 }
 
-/// The lines on stderr of a picture of `input`.
+/// The lines on stderr when `input` is rendered.
 fn said(input: &Path, more: &[&str]) -> Vec<String> {
     let picture = input.with_extension("png");
     let output = Command::new(env!("CARGO_BIN_EXE_pointreel"))

@@ -332,7 +332,7 @@ fn a_hundred_warnings_of_one_kind_are_one_line() {
     }
 }
 
-/// A picture of the small sequence by a program that was started without a login to a desktop.
+/// An image of the small sequence by a program that was started without a login to a desktop.
 fn render_without_session(renderer: &str, variables: &[(&str, &str)]) -> Output {
     let folder = small_sequence();
     let picture = folder.path().join("picture.png");

@@ -127,7 +127,7 @@ fn one_frame_is_written_to_one_file_transformed_and_merged() {
     assert!(said.contains("--frames"), "{said}");
 }
 
-/// The job file as Slurm runs it: once for each place of the array, in any order, one of them twice.
+/// The job file as Slurm runs it: once per index of the array, in any order, one of them twice.
 #[cfg(unix)]
 #[test]
 fn the_job_file_distributes_a_sequence() {
@@ -159,7 +159,7 @@ fn the_job_file_distributes_a_sequence() {
     assert!(run("1").starts_with("0 frames written"));
     assert!(run("2").starts_with("2 frames written"));
     assert_eq!(names(&out).len(), 7);
-    // Outside a job array it says how to start it.
+    // Outside a job array it prints how to start one.
     let alone = Command::new("bash").arg(&script).output().unwrap();
     assert!(String::from_utf8_lossy(&alone.stderr).contains("--array"));
 }
@@ -187,7 +187,7 @@ fn shards_of_a_sequence_file_are_parts() {
         })
         .collect();
     for (shard, mut task) in tasks {
-        // The duplicate may find the other one running, and says so.
+        // The duplicate may find the other one running, and reports it.
         assert!(task.wait().unwrap().success() || shard == "2/3");
     }
     let parts = [

@@ -1,4 +1,4 @@
-//! `pointreel render` makes videos and transparent pictures: files that are written, and what is refused.
+//! `pointreel render` makes videos and transparent images: files that are written, and refusals.
 
 use image::AnimationDecoder as _;
 use image::codecs::gif::GifDecoder;
@@ -72,7 +72,7 @@ fn a_static_camera_shows_each_frame_once() {
         "{said}"
     );
     assert_eq!(shown(&stats), [4, 5, 6, 7, 8]);
-    // The first is what the command draws without a video.
+    // The first is the image that the command draws without a video.
     let picture = folder.path().join("one.png");
     succeeds(&["-o", picture.to_str().unwrap(), "--frame", "4"]);
     let [one, first] = [picture, folder.path().join("p/0000.png")].map(|file| image::open(file).unwrap().to_rgba8());
@@ -203,7 +203,7 @@ fn without_ffmpeg_the_error_says_what_to_install() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
-/// An encoder that dies is a failure with its words, and what was written is gone.
+/// An encoder that dies is a failure with its message, and the output is removed.
 #[cfg(unix)]
 #[test]
 fn ffmpeg_errors_are_passed_on() {
@@ -225,7 +225,7 @@ fn ffmpeg_errors_are_passed_on() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
-/// Whoever is interrupted finds no video: what was written has a hidden name.
+/// An interrupted run leaves no video: its output has a hidden name.
 #[cfg(unix)]
 #[test]
 fn an_interrupt_leaves_nothing_that_looks_finished() {

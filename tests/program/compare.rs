@@ -1,4 +1,4 @@
-//! `pointreel compare` as a person calls it: what it says of pictures with known errors, and of files that are none.
+//! `pointreel compare` as a user calls it: its results for images with known errors, and for files that are not images.
 
 use image::{DynamicImage, GrayImage, ImageBuffer, Luma, Rgb, Rgba, RgbaImage};
 use serde_json::Value;
@@ -23,7 +23,7 @@ fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// A folder with pictures.
+/// A folder with images.
 struct Pictures(tempfile::TempDir);
 
 impl Pictures {

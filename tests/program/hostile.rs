@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-/// Whoever takes longer, with a machine that does other things beside, hangs.
+/// A command that takes longer, even on a busy machine, hangs.
 const PATIENCE: Duration = Duration::from_mins(1);
 
-/// What a command that is waited for gave.
+/// Output of a finished command.
 fn finished(mut child: Child, what: &str) -> Output {
     let start = Instant::now();
     while child.try_wait().unwrap().is_none() {

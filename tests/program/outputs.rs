@@ -1,4 +1,4 @@
-//! Nothing is written or lost in silence: outputs of `convert` and `render` that are refused, what is resumed, what a
+//! Nothing is written or lost in silence: outputs of `convert` and `render` that are refused, resuming, data that a
 //! target cannot hold.
 
 use pointreel::cloud::Positions;
@@ -25,7 +25,7 @@ fn stdout(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-/// It ends with exit code 1 and says all of `expected` on stderr.
+/// It ends with exit code 1 and prints all of `expected` on stderr.
 fn refused(folder: &Path, arguments: &[&str], expected: &[&str]) {
     let output = run_in(folder, arguments);
     let said = stderr(&output);
@@ -40,7 +40,7 @@ fn refused(folder: &Path, arguments: &[&str], expected: &[&str]) {
     }
 }
 
-/// It ends well; what it said on stdout and stderr.
+/// It succeeds; its stdout and stderr.
 fn done(folder: &Path, arguments: &[&str]) -> (String, String) {
     let output = run_in(folder, arguments);
     assert!(output.status.success(), "{arguments:?}: {}", stderr(&output));

@@ -1,15 +1,15 @@
-//! Pages say what the program does: their commands are run, and answer what stands below them.
+//! Pages are true: their commands are run, and print the output shown below them.
 //!
 //! Commands are the lines of `console` blocks that begin with `$ `. Those of a page run one after the other in a folder
-//! of their own. The lines below a command are to be found in its answer (stdout and stderr) in this order; `…` stands
-//! for any text, alone on a line for any lines.
+//! of their own. The lines below a command must be in its output (stdout and stderr) in this order; `…` stands for any
+//! text, alone on a line for any lines.
 
 use rayon::prelude::*;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// A command of a page and what stands below it.
+/// A command of a page and the lines below it.
 #[derive(Debug, PartialEq, Eq)]
 struct Step {
     /// Line of the page, from 1.
@@ -39,7 +39,7 @@ fn steps(page: &str) -> Vec<Step> {
     steps
 }
 
-/// Whether `line` is what is shown, whose `…` stand for any text.
+/// Returns true if `line` matches the shown line, whose `…` stand for any text.
 fn is_shown_as(line: &str, shown: &str) -> bool {
     let mut parts = shown.trim_end().split('…');
     let Some(mut rest) = parts.next().and_then(|start| line.strip_prefix(start)) else {
@@ -56,7 +56,7 @@ fn is_shown_as(line: &str, shown: &str) -> bool {
     ends_open || rest.trim_end().is_empty()
 }
 
-/// The first line of those shown that the answer does not have where it should.
+/// The first shown line that is missing from the output or out of order.
 fn first_missing<'a>(answer: &str, shown: &'a [String]) -> Option<&'a str> {
     let mut lines = answer.lines();
     shown
@@ -66,7 +66,7 @@ fn first_missing<'a>(answer: &str, shown: &'a [String]) -> Option<&'a str> {
         .find(|shown| !lines.by_ref().any(|line| is_shown_as(line, shown)))
 }
 
-/// What is wrong with the commands of a page.
+/// Failures of the commands of a page.
 fn problems(page: &Path) -> Vec<String> {
     let folder = tempfile::tempdir().unwrap();
     let work = folder.path().join("work");

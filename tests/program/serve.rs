@@ -15,7 +15,7 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Machines are busy; what is waited for is looked at every few milliseconds.
+/// Machines are busy; a condition is polled every few milliseconds.
 const LONG: Duration = Duration::from_mins(2);
 
 const FRAMES: usize = 4;
@@ -37,7 +37,7 @@ fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).trim_end().to_owned()
 }
 
-/// Coloured points of which each knows its frame.
+/// Coloured points, each of which encodes its frame.
 fn recording() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for frame in 0..FRAMES {
@@ -57,7 +57,7 @@ fn recording() -> tempfile::TempDir {
 struct Serving {
     program: Child,
     url: String,
-    /// What it has said on stderr.
+    /// Its output on stderr.
     said: Arc<Mutex<String>>,
 }
 
@@ -105,7 +105,7 @@ impl Drop for Serving {
 
 fn opened(url: &str) -> LiveStream {
     let options = OpenOptions {
-        // No frame is dropped before it is looked at.
+        // No frame is dropped before it is checked.
         live_seconds: Some(3600.0),
         ..OpenOptions::default()
     };
@@ -124,7 +124,7 @@ fn clouds(folder: &Path) -> Vec<RawCloud> {
     (0..FRAMES).map(|frame| decoded(&*files, frame)).collect()
 }
 
-/// Text is read in double precision; what a single float holds exactly is sent as one.
+/// Text is read in double precision; values exact in single precision are sent so.
 fn are_equal(came: &RawCloud, file: &RawCloud) -> bool {
     let places = |cloud: &RawCloud| match &cloud.positions {
         Positions::F32(places) => places.iter().map(|place| place.map(f64::from)).collect(),
@@ -133,7 +133,7 @@ fn are_equal(came: &RawCloud, file: &RawCloud) -> bool {
     places(came) == places(file) && came.attributes == file.attributes
 }
 
-/// Holds what a stream has against the files; says how many frames that are.
+/// Compares a stream with the files; returns the number of frames.
 fn assert_all_equal(stream: &LiveStream, files: &[RawCloud]) -> usize {
     stream.look_again().unwrap();
     let frames = stream.frames();
@@ -205,7 +205,7 @@ fn late_clients_start_with_the_newest_frame() {
     assert_all_equal(&late, &clouds(folder.path()));
 }
 
-/// Between a server and its clients: what they say to each other goes through here, until it is cut.
+/// Between a server and its clients: their traffic goes through here, until it is cut.
 struct Cable {
     url: String,
     is_cut: Arc<AtomicBool>,
@@ -238,7 +238,7 @@ impl Cable {
     }
 }
 
-/// A few bytes at a time, so that the cut is in the middle of a message.
+/// A few bytes at a time, so that the cut is within a message.
 fn pass_on(mut from: TcpStream, mut to: TcpStream, is_cut: &AtomicBool) {
     let mut bytes = [0; 97];
     while let Ok(count) = from.read(&mut bytes) {
@@ -293,7 +293,7 @@ fn a_connection_broken_within_a_message_is_restored_without_errors() {
     assert!(assert_clouds_are_some_of(&far, &files) >= 5);
 }
 
-/// Of a relay, whose numbers are its own: each cloud is one of the files'.
+/// For a relay, which numbers frames itself: each cloud is one of the files'.
 fn assert_clouds_are_some_of(stream: &LiveStream, files: &[RawCloud]) -> usize {
     let frames = stream.frames();
     for index in frames.clone() {
@@ -303,7 +303,7 @@ fn assert_clouds_are_some_of(stream: &LiveStream, files: &[RawCloud]) -> usize {
     frames.len()
 }
 
-/// A server that says `bytes` to everybody, and then hangs up or keeps silent.
+/// A server that sends `bytes` to every client, and then hangs up or stays silent.
 fn hostile(bytes: Vec<u8>, hangs_up: bool) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = listener.local_addr().unwrap();
@@ -314,7 +314,7 @@ fn hostile(bytes: Vec<u8>, hangs_up: bool) -> String {
             if hangs_up {
                 let _ = client.shutdown(Shutdown::Write);
             }
-            // Closing with unread bytes would reset the connection, and what was written would be lost.
+            // Closing with unread bytes would reset the connection, and written data would be lost.
             open.push(client);
         }
     });
@@ -322,7 +322,7 @@ fn hostile(bytes: Vec<u8>, hangs_up: bool) -> String {
     format!("tcp://{address}")
 }
 
-/// A message of a frame without its head's clock, as the format says: 32 bytes of head, then `body`.
+/// A message of a frame without its head's clock, as specified: 32 bytes of head, then `body`.
 fn points_message(body: &[u8]) -> Vec<u8> {
     let mut payload = vec![0; 32];
     payload[0] = 32;

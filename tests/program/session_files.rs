@@ -1,4 +1,4 @@
-//! Session files on the command line: what `render` draws of one is what the window would, and what is wrong is said.
+//! Session files on the command line: `render` draws one as the window would, and errors are reported.
 
 use serde_json::Value;
 use std::fs;

@@ -1,4 +1,4 @@
-//! Answers that stdout does not take: a full disk is a failure, a reader that has left is none.
+//! Output that stdout does not take: a full disk is a failure, a closed reader is not.
 
 use std::fs::{self, File};
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::process::{Command, Output, Stdio};
 
 const CUBE: &str = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 1 0\n1 0 1\n0 1 1\n1 1 1\n";
 
-/// A command of every verb that answers on stdout. `{out}` is replaced by a new name each time.
+/// One command line per command that prints to stdout. `{out}` is replaced by a new name each time.
 const ANSWERS: [&[&str]; 14] = [
     &["--help"],
     &["--version"],

@@ -1,4 +1,4 @@
-//! Commands that are ended by a signal: what they were writing goes, what was there stays, and the process dies by the
+//! Commands that are ended by a signal: partial output is removed, earlier files stay, and the process dies by the
 //! signal.
 
 use nix::sys::signal::{Signal, kill};
@@ -12,7 +12,7 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Machines are busy; what is waited for is looked at every few milliseconds.
+/// Machines are busy; a condition is polled every few milliseconds.
 const LONG: Duration = Duration::from_mins(2);
 
 fn start(folder: &Path, arguments: &[&str]) -> Child {
@@ -41,7 +41,7 @@ fn ended(child: &mut Child) -> ExitStatus {
     }
 }
 
-/// Every file in the folder, with what is in it, folders with a slash.
+/// Every file in the folder, with its contents, folders with a slash.
 fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in fs::read_dir(folder).unwrap() {
@@ -67,7 +67,7 @@ fn is_hidden(name: &str) -> bool {
     name.split('/').any(|part| part.starts_with('.'))
 }
 
-/// Frames of many points: writing them takes longer than a look at the folder.
+/// Frames of many points: writing them takes longer than listing the folder.
 fn recording(folder: &Path, frames: usize) {
     fs::create_dir(folder.join("scan")).unwrap();
     for frame in 0..frames {
@@ -261,7 +261,7 @@ fn ignored_signals_stay_ignored() {
     send(&child, Signal::SIGHUP);
     thread::sleep(Duration::from_millis(300));
     assert!(child.try_wait().unwrap().is_none(), "a hangup has ended it");
-    // A server that is told to end has done its job.
+    // A server that is asked to end has done its job.
     send(&child, Signal::SIGTERM);
     assert!(ended(&mut child).success());
 }

@@ -1,4 +1,4 @@
-//! What a stranger sends and what two programs do at once: nothing reaches the terminal but text, sessions open nothing
+//! Untrusted input and two concurrent programs: nothing reaches the terminal but text, sessions open nothing
 //! unasked, pipes and devices are refused, sources are never destroyed, and an output has one writer.
 
 use std::fs;
@@ -23,7 +23,7 @@ fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// It ends with exit code 1 and says all of `expected` on stderr.
+/// It ends with exit code 1 and prints all of `expected` on stderr.
 fn refused(folder: &Path, arguments: &[&str], expected: &[&str]) {
     let output = run_in(folder, arguments);
     let said = said(&output);
@@ -36,7 +36,7 @@ fn refused(folder: &Path, arguments: &[&str], expected: &[&str]) {
 const CUBE: &str = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 1 0\n1 0 1\n0 1 1\n1 1 1\n";
 const SMALL: [&str; 4] = ["--size", "32x24", "--renderer", "cpu"];
 
-/// Nothing in it moves a cursor, sets a title or turns text around.
+/// Nothing in it moves a cursor, sets a title or reverses text.
 fn assert_plain(output: &Output, what: &str) {
     for bytes in [&output.stdout, &output.stderr] {
         let text = String::from_utf8(bytes.clone()).unwrap_or_else(|_| panic!("{what}: no UTF-8"));

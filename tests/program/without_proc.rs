@@ -1,4 +1,4 @@
-//! The program where `/proc` is empty, as in some sandboxes: it says less of itself, and does everything else.
+//! The program where `/proc` is empty, as in some sandboxes: it reports less about itself, and does everything else.
 
 #![cfg(target_os = "linux")]
 
@@ -6,7 +6,7 @@ use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// Runs a command of the shell with an empty `/proc`; `None` where the system lets nobody make namespaces.
+/// Runs a command of the shell with an empty `/proc`; `None` where the system does not allow namespaces.
 fn without_proc(command: &str) -> Option<Output> {
     let script = format!("mount -t tmpfs none /proc || exit 77; {command}");
     let output = Command::new("unshare")

@@ -11,10 +11,10 @@ const GROUP: usize = 6;
 /// Points of the levels of a frame.
 const LEVELS: [usize; 4] = [1600, 6400, 25_600, 102_400];
 
-/// Poses of which each is made from the one before in its group, all in levels.
+/// Frames, each made from the previous one in its group, all in levels.
 struct Chained {
     entries: Vec<Arc<FrameEntry>>,
-    /// How often each pose was made.
+    /// Number of times that each frame was made.
     made: Arc<[AtomicUsize; FRAMES]>,
     /// Groups that a decoder is on, and whether two were ever on one.
     busy: Arc<[AtomicUsize; FRAMES / GROUP]>,
@@ -110,7 +110,8 @@ impl Decoder for ChainedDecoder {
     }
 }
 
-/// How often each pose is made by a loader with `workers` that prepares all frames, and how many decoders met.
+/// Number of times that each frame is made by a loader with `workers` that prepares all frames, and the number of
+/// decoders that met.
 fn made(direction: Direction, playhead: usize, workers: usize) -> (Vec<usize>, usize) {
     let source = Chained::new();
     let (made, met) = (Arc::clone(&source.made), Arc::clone(&source.met));

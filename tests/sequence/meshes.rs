@@ -1,4 +1,4 @@
-//! Triangles of frames: read when they are asked for, and not before.
+//! Triangles of frames: read on request, and not before.
 
 use super::*;
 use pointreel::analysis::SurfaceOptions;
@@ -19,7 +19,7 @@ const MESH: Needs = Needs {
 
 const POINTS: Needs = Needs { mesh: false, ..MESH };
 
-/// A sequence of one file, of which pictures show sampled points.
+/// A sequence of one file, rendered as sampled points.
 fn sequence_of(name: &str, text: &str) -> (Arc<Sequence>, tempfile::TempDir) {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join(name), text).unwrap();

@@ -1,4 +1,4 @@
-//! Frames completed for pictures: what is there, what is shared, what is not done twice.
+//! Frames completed for rendering: their contents, shared data, work not done twice.
 
 use super::*;
 use pointreel::analysis::{ColorMap, fake_color};
@@ -58,7 +58,7 @@ fn a_subset_has_the_points_of_its_slots_and_radii_that_close_its_surface() {
         assert!(is_retained(index));
         assert_eq!(part.points[slot], whole.points[slot_of(index)]);
         assert_eq!(oct_decode(shapes[slot].normal), Vec3::Y);
-        // The file says 0.5, which would leave gaps between the rows.
+        // The file has 0.5, which would leave gaps between the rows.
         assert!(shapes[slot].radius > 1.0, "{}", shapes[slot].radius);
     }
     assert!(prepare_part(&whole, &[], &SURFELS, &counters).is_ok_and(|part| part.points.is_empty()));
@@ -125,7 +125,7 @@ fn colors_come_from_the_best_available_source() {
     };
     let prepared = prepare(0, frame_of(sheet(10, 0)), 0.0, &uniform, &PrepareCounters::default());
     assert!(prepared.points.iter().all(|point| point.color == UNIFORM_COLOR));
-    // The file lacks what was requested: as if automatic.
+    // The file lacks the requested data: as if automatic.
     let file = Needs {
         colors: Coloring::of(ColorSource::File),
         ..Needs::default()
@@ -290,7 +290,7 @@ fn other_options_of_normals_estimate_them_again_and_nothing_else() {
     let colored = complete(&first, &by_normal(automatic), &counters);
     let recolored = complete(&colored, &by_normal(few), &counters);
     assert!(colored.id != recolored.id && colored.points != recolored.points);
-    // Normals of a file are what they are.
+    // Normals of a file are unchanged.
     let given = prepare(0, frame_of(complete_sheet(10, 0)), 0.0, &automatic, &counters);
     assert!(given.satisfies(&few));
 }

@@ -1,4 +1,4 @@
-//! Real sequences: the demo, which is part of the program, and those of the shared data.
+//! Real sequences: the demo, which is part of the program, and the shared data.
 
 use super::data::shared;
 use super::*;
@@ -16,7 +16,7 @@ fn the_demo_plays() {
         assert_eq!(frame.points.len(), 8334);
         assert_eq!(frame.colors(), ColorSource::File);
         assert_eq!(sequence.entry(index).number, Some(index as u64));
-        // Points correspond: between any two poses of a walk no part of the body moves by a metre.
+        // Points correspond: between any two frames of a walk no part of the body moves by a metre.
         let [now, then] = [&frame, &first].map(|frame| by_file(&frame.frame, frame.frame.positions()));
         let farthest = now
             .iter()
@@ -77,7 +77,7 @@ fn the_sampled_man_plays() {
     }
 }
 
-/// Every second pose of the model, sampled as the demo says.
+/// Every second frame of the model, sampled as in the demo.
 #[test]
 fn the_man_the_demo_was_made_from() {
     let Some(model) = shared("models/CesiumMan.glb") else {

@@ -35,8 +35,7 @@ pub fn class_name(class: i32) -> Option<&'static str> {
     STANDARD.get(class).map(|&(name, _)| name)
 }
 
-/// The colour of a class, opaque. Those without a standard one have hues of their own, each far from those of its
-/// neighbours.
+/// The opaque colour of a class. Classes without a standard colour get hues far from their neighbours'.
 pub fn class_color(class: i32) -> [u8; 4] {
     let standard = usize::try_from(class).ok().and_then(|class| STANDARD.get(class));
     if let Some((_, color)) = standard {

@@ -77,7 +77,7 @@ impl ColorMap {
         }
     }
 
-    /// The opaque colour at `share` of the way through the map; clamped to 0..=1, NaN is 0.
+    /// The opaque colour at fraction `share` of the map; clamped to 0..=1, NaN is 0.
     pub fn color(self, share: f32) -> [u8; 4] {
         let anchors = match self {
             Self::Viridis => &VIRIDIS,

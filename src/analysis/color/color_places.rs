@@ -9,13 +9,13 @@ use super::color_maps::TABLE_LEN;
 use super::color_scale::{ColorScale, Mapper};
 use std::sync::OnceLock;
 
-/// The place of what is no number: behind the table.
+/// The place of NaN: behind the table.
 pub(crate) const NO_PLACE: u32 = TABLE_LEN as u32;
 
 /// Bits of a mantissa that choose an entry of the table of logarithms; the rest is for the line to the next.
 const LOG_BITS: u32 = 10;
 
-/// Ranges of fewer octaves are worked out one by one: f32 would lose digits of the logarithm.
+/// Ranges of fewer octaves are computed one by one: f32 would lose digits of the logarithm.
 const MIN_OCTAVES: f64 = 0.25;
 
 type Logarithms = [f32; (1 << LOG_BITS) + 1];
@@ -96,7 +96,7 @@ fn logarithms() -> &'static Logarithms {
         .get_or_init(|| std::array::from_fn(|entry| (1.0 + entry as f64 / f64::from(1 << LOG_BITS)).log2() as f32))
 }
 
-/// The logarithm to base 2. What has none, or is below all normal numbers, is below all others; NaN stays so.
+/// The logarithm to base 2. Zero, negative and subnormal numbers map below all others; NaN stays NaN.
 #[inline]
 fn log2(value: f32, logarithms: &Logarithms) -> f32 {
     const REST: u32 = f32::MANTISSA_DIGITS - 1 - LOG_BITS;

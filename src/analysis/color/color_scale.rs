@@ -15,8 +15,8 @@ pub struct ColorScale {
 }
 
 impl ColorScale {
-    /// From `low` to `high`, finite and in this order. By logarithms, if that is asked for and `high` is above zero by
-    /// more than rounding; a `low` that is not becomes a millionth of `high`.
+    /// From `low` to `high`, finite and in this order. Logarithmic, if requested and `high` is above zero by more than
+    /// rounding; a `low` that is not becomes a millionth of `high`.
     pub fn new(low: f64, high: f64, is_logarithmic: bool) -> Self {
         let min = high / SIX_DECADES;
         let is_logarithmic = is_logarithmic && min > 0.0;
@@ -44,7 +44,7 @@ impl ColorScale {
         self.mapper(0.0).share(value)
     }
 
-    /// The number at `share` of the way from end to end.
+    /// The number at fraction `share` of the range.
     pub fn value_at(&self, share: f64) -> f64 {
         if self.is_logarithmic {
             let [low, high] = [self.low.ln(), self.high.ln()];
@@ -147,7 +147,8 @@ pub fn quantile_range(sorted: &[f32], offset: f64, shares: Range<f64>) -> Option
 }
 
 /// Computes a histogram: the number of values of `sorted` (ascending, finite) with `offset` added that fall into each
-/// of `bins` parts of `range`, evenly spaced on the colour scale; the first and the last bin also count what is beyond.
+/// of `bins` parts of `range`, evenly spaced on the colour scale; the first and the last bin also count values beyond
+/// the range.
 pub fn histogram(sorted: &[f32], offset: f64, scale: &ColorScale, bins: usize) -> Vec<u32> {
     let mut counts = vec![0; bins];
     let Some(last) = bins.checked_sub(1) else {

@@ -9,7 +9,7 @@ use crate::cloud::ShapeRecord;
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 
-/// So many neighbours are looked for.
+/// Number of neighbours to search for.
 const WANTED: f32 = 16.0;
 
 /// Most halvings of the interval; radii are within a thousandth then.

@@ -1,10 +1,10 @@
-//! Visible points in cells of the picture, in a pyramid of them: those around a place in 64 cells at most, whatever
-//! part of the picture that is; in 256 where somebody looks twice.
+//! Pyramid of image cells with the visible points: the neighbourhood of a place spans at most 64 cells, whatever its
+//! size in the image; 256 in a second search.
 //!
-//! **How it works.** A cell of level L is 2^L pixels wide. It has the nearest of the points in it, of equally near ones
-//! the first, and the number of all. Only the finest level is filled from points; a cell of each other one takes the
+//! **How it works.** A cell of level L is 2^L pixels wide. It has the nearest of the points in it, the first of equally
+//! near ones, and the number of all. Only the finest level is filled from points; a cell of each other one takes the
 //! nearest of four. Coordinates are apart from one another and rows have a border, so that eight cells of a row are
-//! read at once from anywhere in the picture. A cell without points is too far away for any neighbourhood.
+//! read at once from anywhere in the image. A cell without points is too far away for any neighbourhood.
 
 use super::constants::{CELLS_BEFORE, CELLS_OF_WINDOW, MAX_LEVELS, MAX_REACH_CELLS, MIN_RADIUS_PX, WIDE_WINDOW};
 use super::view::{ScreenPoint, ScreenView};
@@ -75,7 +75,7 @@ pub(super) fn levels_for(view: &ScreenView, radius: f32, [nearest, farthest]: [f
 }
 
 impl Cells {
-    /// Puts points into the levels of a picture of `size_px`.
+    /// Puts points into the levels of an image of `size_px`.
     pub(super) fn build(&mut self, size_px: [usize; 2], levels: RangeInclusive<u32>, seen: &[ScreenPoint]) {
         self.finest = *levels.start();
         let count = (levels.end() + 1 - self.finest) as usize;

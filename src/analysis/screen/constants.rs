@@ -9,7 +9,7 @@ pub(crate) const MAX_REACH_PX: usize = 3;
 /// Border width: the maximum distance from its pixel at which anything is searched.
 pub(crate) const BORDER_PX: usize = 7;
 
-/// Minimum number of nearer pixels to fit a plane that separates a surface from what hides it.
+/// Minimum number of nearer pixels to fit a plane that separates a surface from its occluder.
 pub(crate) const MIN_OF_RAMP: f32 = 4.0;
 
 /// The coarsest level: its cells are 128 pixels wide.
@@ -24,13 +24,13 @@ pub(crate) const WIDE_WINDOW: usize = 2;
 /// Maximum reach of a window from its centre, in cells: then it is no more than eight cells wide.
 pub(crate) const MAX_REACH_CELLS: f32 = 3.5;
 
-/// Neighbourhoods reach so many pixels at least.
+/// Minimum radius of neighbourhoods, in pixels.
 pub(crate) const MIN_RADIUS_PX: f32 = 2.0;
 
 /// Cells before the first one of a row, and rows before the first.
 pub(crate) const CELLS_BEFORE: usize = 8;
 
-/// A neighbourhood with fewer is looked at once more, twice as far.
+/// A neighbourhood with fewer is searched again with twice the radius.
 pub(crate) const MIN_NEIGHBOURS: f32 = 6.0;
 
 /// Three points are a plane.

@@ -1,16 +1,16 @@
 //! Occlusion culling: removal of points that others hide.
 //!
 //! **How it works.** Every point writes its depth to the pixel of its centre, if it is the nearest there. A point is a
-//! square of pixels around that one; the deeper it is the smaller, so of all points in one pixel the nearest covers
-//! what the others do, and it is enough to test whether the pixels around a point reach it. Those that could are in
-//! seven rows of eight floats: a row is one comparison, with thresholds that are the same for all points. Drawing whole
+//! square of pixels around that one; the deeper it is the smaller, so the nearest point in a pixel covers all that the
+//! others cover, and it is enough to test whether the pixels around a point reach it. Those that could are in seven
+//! rows of eight floats: a row is one comparison, with thresholds that are the same for all points. Drawing whole
 //! squares instead would write up to 49 pixels per point.
 //!
-//! Of points that are smaller than a pixel, the nearest of each survives, as the index buffer of a GPU has one per
-//! pixel: however dense a cloud is, no more is visible than the image has pixels.
+//! Of points that are smaller than a pixel, the nearest in each pixel survives, as the index buffer of a GPU has one
+//! per pixel: however dense a cloud is, no more is visible than the image has pixels.
 //!
-//! A larger point survives if nothing that covers its pixel is nearer by more than the neighbourhood search radius;
-//! else if it lies on the plane of what is nearer, which is then not another surface (`ramp.rs`). With less than that
+//! A larger point survives if nothing that covers its pixel is nearer by more than the neighbourhood search radius; or
+//! if it lies on the plane of the nearer points, which are then the same surface (`ramp.rs`). With less than that
 //! radius a surface would hide itself at 45 degrees already, and planes would be fitted to most of the points.
 
 use super::compact::compact;
@@ -36,7 +36,7 @@ const MAX_MARGIN_PX: f32 = 256.0;
 /// Depths of the nearest points.
 #[derive(Debug, Default)]
 pub(super) struct DepthPicture {
-    /// The view that is drawn, of a picture with a margin.
+    /// The drawn view, of an image with a margin.
     view: Option<ScreenView>,
     /// Depth buffer of the nearest points, as they are found.
     nearest: Vec<AtomicU32>,
@@ -66,7 +66,7 @@ impl DepthPicture {
         self.view.as_ref()
     }
 
-    /// Size of the picture with its margin.
+    /// Size of the image with its margin.
     pub(super) fn size_px(&self) -> [usize; 2] {
         let size = self.view.as_ref().map_or([0; 2], |view| view.size_px);
         size.map(|edge| edge as usize)

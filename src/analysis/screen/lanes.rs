@@ -2,7 +2,7 @@
 
 use fearless_simd::{Simd, f32x8};
 
-/// So many.
+/// SIMD width.
 pub(super) const LANES: usize = 8;
 
 /// Their sum, in an order that all machines have.

@@ -10,12 +10,11 @@
 //! **When it wins.** No nearest-neighbour search is run and no tree is built as for
 //! [`estimate_surface`](super::estimate_surface), and hidden points need no plane. So it is the method for frames that
 //! are seen once, such as those of a live camera. It loses where the view changes and the cloud does not, as it is
-//! repeated for each view, and where the image is coarser than the points.
+//! repeated for each view, and where pixels are larger than the point spacing.
 //!
 //! **What the paper leaves open.** The radius is three times the spacing of the points, and no less than two pixels, as
-//! there would be no neighbours from afar. Its window is never more than eight by eight cells, of a level of the
-//! pyramid whose cells are as wide as that requires: the window can be of any number of pixels, so a close-up has
-//! normals too.
+//! there would be no neighbours from afar. Its window is never more than eight by eight cells, of a sufficiently coarse
+//! level of the pyramid: the window can have any number of pixels, so a close-up has normals too.
 //!
 //! Results do not depend on the number of threads.
 
@@ -64,7 +63,7 @@ pub struct ScreenCloud {
     pub sensor: Option<Vec3>,
 }
 
-/// Finds visible points and their surface. It keeps its memory from picture to picture, and nothing else.
+/// Finds visible points and their surface. Keeps its buffers between images, and nothing else.
 #[derive(Debug, Default)]
 pub struct ScreenEstimator {
     picture: DepthPicture,
@@ -84,9 +83,9 @@ impl ScreenEstimator {
     /// Normals and radii of visible points, in their order. Precondition: `visible` is of the last
     /// [`ScreenEstimator::cull`].
     ///
-    /// A radius is that of a circle with a share of the neighbourhood's area as large as one of the points in it, times
-    /// [`ScreenCloud::closing`]: that closes the surface. Points without a plane around them have the normal of the
-    /// nearest one that has, or face the eye if none is near.
+    /// A radius is that of a circle with one point's share of the neighbourhood's area, times [`ScreenCloud::closing`]:
+    /// that closes the surface. Points without a plane around them have the normal of the nearest one that has, or face
+    /// the eye if none is near.
     pub fn surface(&mut self, visible: &Visible, cloud: &ScreenCloud, search: Search) -> Vec<ShapeRecord> {
         let Some(view) = self.picture.view().filter(|_| !visible.is_empty()) else {
             return Vec::new();

@@ -9,14 +9,14 @@
 //! again for 2R, and so on up to 8R, in finer cells: on a surface at a grazing angle, cells in its direction are far
 //! apart.
 //!
-//! Where none of these is a plane, the normal is that of the nearest neighbour that has one, up to 32R away: of a floor
-//! at a grazing angle, cells are higher than rows of points are apart, so that the neighbours are one row. Only a point
+//! Where none of these is a plane, the normal comes from the nearest neighbour that has one, up to 32R away: on a floor
+//! at a grazing angle, cells are higher than the spacing of rows of points, so the neighbours are one row. Only a point
 //! without such a neighbour faces the eye, which on a floor is a light spot.
 //!
-//! The radius of a splat is R·√(π/N), where N counts all points in those cells: πR² over that is the area of one. That
-//! closes grids, such as those of depth images; where points are at random, it is larger, R at most. Points that are
-//! smaller than a pixel are one per pixel; at a grazing angle, their splats would be thinner than the rows of pixels
-//! are apart. So those are larger, up to twice their neighbourhood.
+//! The radius of a splat is R·√(π/N), where N counts all points in those cells: πR²/N is the area of one. That closes
+//! grids, such as those of depth images; where points are at random, it is larger, R at most. Points that are smaller
+//! than a pixel are one per pixel; at a grazing angle, their splats would be thinner than the rows of pixels are apart.
+//! So those are larger, up to twice their neighbourhood.
 
 use super::cells::{CellLevel, Cells, Window};
 use super::constants::{
@@ -243,7 +243,7 @@ impl Neighbourhood {
     fn is_plane(&self) -> bool {
         let [xx, yy, zz, xy, yz, zx] = self.covariance();
         let trace = xx + yy + zz;
-        // The sum of the pairwise products of eigenvalues: that of the two larger ones, up to noise.
+        // The sum of the pairwise products of eigenvalues: the product of the two larger ones, up to noise.
         let products = (xx * yy - xy * xy) + (xx * zz - zx * zx) + (yy * zz - yz * yz);
         self.found >= MIN_OF_PLANE && products > MIN_SPREAD * trace * trace
     }
@@ -261,7 +261,7 @@ impl Neighbourhood {
     }
 }
 
-/// Adds up what is within a radius of a place.
+/// Adds up the cells within a radius of a place.
 #[inline(always)]
 fn sum<S: Simd>(simd: S, window: &Window<'_>, center: Vec3, radius: f32) -> Neighbourhood {
     let splat = |value: f32| f32x8::splat(simd, value);

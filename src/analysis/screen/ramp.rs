@@ -1,18 +1,18 @@
-//! Surfaces at a grazing angle: what is nearer there covers nothing, as it is the same surface.
+//! Surfaces at a grazing angle: nearer points there hide nothing, as they are on the same surface.
 //!
 //! **How it works.** On a plane the inverse of the depth is linear in the pixels of an image. So a plane is fitted, by
-//! least squares, to the nearest points of the pixels around a point, of those that are nearer than itself. Where they
-//! are in front of it because the surface rises towards the eye, their plane meets the point; where they hide it, their
-//! plane is in front of it. A point is the nearest of its pixel, but its position within the pixel is unknown: so what
-//! is within half a pixel's slope of the plane is on it. Where points are so far apart that there are few around, a
-//! wider window is used.
+//! least squares, to the nearest points of the surrounding pixels that are nearer than the point itself. Where they are
+//! in front of it because the surface rises towards the eye, their plane meets the point; where they hide it, their
+//! plane is in front of it. A point is the nearest of its pixel, but its position within the pixel is unknown: so
+//! points within half a pixel's slope of the plane are on it. Where points are so far apart that there are few around,
+//! a wider window is used.
 //!
-//! What is deeper than the point is ignored. Behind the end of a floor there is a wall or nothing, and through the gaps
-//! of a sparse surface one sees what is behind it.
+//! Points deeper than the point are ignored. Behind the end of a floor there is a wall or nothing, and gaps of a sparse
+//! surface show the surface behind it.
 //!
 //! **When it wins.** Without it a surface hides itself beyond some 77 degrees: there a step of the width of a point is
-//! deeper than the neighbourhood radius. A bound on the slope alone, as shadow maps have one, would let points through
-//! at each silhouette, where depths step as they do on a steep surface.
+//! deeper than the neighbourhood radius. A bound on the slope alone, as in shadow maps, would let points through at
+//! each silhouette, where depths step as they do on a steep surface.
 
 use super::constants::{BORDER_PX, MAX_REACH_PX, MIN_OF_RAMP};
 use super::lanes::{LANES, total};
@@ -48,8 +48,8 @@ struct Sums {
 }
 
 impl Around<'_> {
-    /// Returns true if a covered point lies on the plane of what is nearer than itself by more than `spacing`: no more
-    /// than `radius` behind it.
+    /// Returns true if a covered point lies on the plane of the points nearer than itself by more than `spacing`: no
+    /// more than `radius` behind it.
     #[inline(always)]
     pub(super) fn is_on_plane_of_nearer<S: Simd>(&self, simd: S, spacing: f32, radius: f32) -> bool {
         if self.is_enclosed(radius) {

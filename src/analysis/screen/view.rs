@@ -1,12 +1,12 @@
-//! From the space of a cloud to the pixels of a picture.
+//! From the space of a cloud to the pixels of an image.
 
 use glam::{Mat3, Vec3};
 use rayon::prelude::*;
 
-/// A view of a cloud, and the pixels of its picture.
+/// A view of a cloud, and the pixels of its image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScreenView {
-    /// From the axes of the cloud to those of the view: right, up, backward.
+    /// Rotation from the axes of the cloud to the view axes: right, up, backward.
     pub rotation: Mat3,
     /// The eye in the space of the cloud, rounded to f32.
     pub eye_high: Vec3,
@@ -14,7 +14,7 @@ pub struct ScreenView {
     pub eye_low: Vec3,
     /// Nothing nearer along the view axis is seen.
     pub near: f32,
-    /// Width and height of the picture.
+    /// Width and height of the image.
     pub size_px: [u32; 2],
     /// Pixels from the view axis for a slope of 1, rightwards and downwards.
     pub px_per_slope: [f32; 2],
@@ -22,7 +22,7 @@ pub struct ScreenView {
     pub center_px: [f32; 2],
 }
 
-/// A point in a picture.
+/// A point in an image.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct ScreenPoint {
     /// From the eye, in the axes of the cloud.
@@ -33,7 +33,7 @@ pub(super) struct ScreenPoint {
     pub(super) place_px: [f32; 2],
 }
 
-/// The points that a picture shows.
+/// The points visible in an image.
 #[derive(Debug, Clone, Default)]
 pub struct Visible {
     /// Their places among all, ascending.

@@ -1,21 +1,21 @@
 //! The k nearest neighbours of the eight points of one bucket, found together and exactly.
 //!
-//! How it works: the points first meet each other and the buckets of their row, those split off last first, which
-//! bounds how far their neighbours can be; then the tree is climbed to its top, and at every step the other children
-//! are descended into as far as their boxes are within the worst of the eight bounds.
+//! How it works: the points are first compared with each other and the buckets of their row, those split off last
+//! first, which bounds the distance of their neighbours; then the tree is climbed to its top, and at every step the
+//! other children are descended into as far as their boxes are within the worst of the eight bounds.
 //!
-//! A register holds the distances of the *eight searching points* to one candidate. Of the candidates that are near
-//! enough for one of the eight, this row is kept, and for each searching point the k smallest distances so far
-//! ([`super::smallest_rows`]). Which candidates the k smallest distances belong to is asked once, at the end, by
-//! comparing all rows with the k-th.
+//! A register holds the distances of the *eight searching points* to one candidate. This row is stored for each
+//! candidate near enough for one of the eight, and for each searching point the k smallest distances so far
+//! ([`super::smallest_rows`]). The candidates with the k smallest distances are found once, at the end, by comparing
+//! all rows with the k-th.
 //!
 //! Equal distances are decided by the index in the file. Only where more candidates than k are within the k-th distance
-//! must they be looked at one by one. Pruning knows about it as well: a box at exactly the bound is entered only if it
+//! must they be examined one by one. Pruning accounts for it as well: a box at exactly the bound is entered only if it
 //! holds an index that could still win. Without that, points that all coincide would make every bucket visit every
 //! other.
 //!
-//! When it wins: descending is paid once for eight points, eight boxes are tested at once, and there is no branch, no
-//! index and no heap where most of the time goes.
+//! When it wins: the descent is paid once for eight points, eight boxes are tested at once, and there is no branch, no
+//! index and no heap in the hot loop.
 //!
 //! Pruning is exact in f32: subtraction, multiplication and addition round monotonically, so the distance to a box,
 //! computed in the same order of operations, never exceeds the computed distance to a point inside.
@@ -33,7 +33,7 @@ const ROWS_PER_WORD: usize = u32::BITS as usize;
 const WORDS: usize = 4;
 const ROWS_PER_LIST: usize = WORDS * ROWS_PER_WORD;
 
-/// Reusable search state of the points of one bucket; kept for the next.
+/// Reusable search state of the points of one bucket.
 #[derive(Debug)]
 pub(super) struct BucketSearch<'a> {
     tree: &'a PointTree,
@@ -54,7 +54,7 @@ pub(super) struct BucketSearch<'a> {
     nearest: SmallestRows,
     /// The worst k-th distance (squared) of all searching points.
     bound: f32,
-    /// From which file index on points at exactly the bound cannot win; `None` until somebody asks.
+    /// First file index from which points at exactly the bound cannot win; `None` until needed.
     tie_limit: Option<u32>,
     /// Stack of nodes still to be descended into.
     stack: Vec<Child>,
@@ -65,7 +65,7 @@ pub(super) struct BucketSearch<'a> {
 /// A bucket (level 0) or a row of boxes that may hold neighbours.
 #[derive(Debug, Clone, Copy)]
 struct Child {
-    /// Smaller for what should be taken earlier: bits of the squared distance, then the smallest file index inside.
+    /// Smaller for nodes to visit earlier: bits of the squared distance, then the smallest file index inside.
     rank: u64,
     level: u32,
     index: u32,
@@ -128,7 +128,7 @@ impl<'a> BucketSearch<'a> {
         self.write_lists(simd, lists);
     }
 
-    /// Forgets what was found.
+    /// Clears the results.
     fn begin(&mut self, bucket: usize) {
         self.bucket = bucket;
         self.count = (self.tree.len() - LANES * bucket).min(LANES);
@@ -161,8 +161,8 @@ impl<'a> BucketSearch<'a> {
         }
     }
 
-    /// Puts those of eight children that are near enough on the stack, the nearest on top; of equally near ones, that
-    /// with the lowest index. Not the one in lane `own`.
+    /// Pushes those of eight children that are near enough, the nearest on top; among equally near ones, the lowest
+    /// index. Excludes lane `own`.
     #[inline(always)]
     fn push<S: Simd>(&mut self, simd: S, level: usize, row: usize, boxes: &BoxRow, own: usize) {
         let distances_squared = self.distances_squared(simd, boxes);
@@ -305,7 +305,7 @@ impl<'a> BucketSearch<'a> {
         limit
     }
 
-    /// Sets `candidates` to the k nearest of the searching point in a lane, or as many as there are, in order.
+    /// Sets `candidates` to the k nearest of the searching point in a lane, or all if there are fewer, in order.
     fn put_in_order(&mut self, lane: usize) {
         // Places without a point are infinitely far.
         let kth = self.nearest.largest()[lane].min(f32::MAX);
@@ -360,7 +360,7 @@ impl<'a> BucketSearch<'a> {
     }
 }
 
-/// Writes the slots of the rows whose bits are set. Precondition: as many as `list` is long, of 64.
+/// Writes the slots of the rows whose bits are set. Precondition: `list` has as many entries as set bits, of 64.
 #[inline(always)]
 fn write_slots(mut rows_within: u64, slots: &[u32], list: &mut [u32]) {
     let Some(slots) = slots.first_chunk::<{ u64::BITS as usize }>() else {

@@ -1,11 +1,11 @@
-//! The point of a cloud that is nearest to a place, which need be none of its points: how clouds are compared.
+//! The point of a cloud nearest to a place, which need not be one of its points: used to compare clouds.
 //!
 //! How it works: the rows of boxes of the k-d tree ([`super::point_tree`]) are descended into, nearest box first, as
-//! long as a box may hold something nearer than what was found. Equal distances are decided by the index in the file,
+//! long as a box may hold a nearer point than the best so far. Equal distances are decided by the index in the file,
 //! and a box at exactly the distance found is entered only if it holds a smaller one, so that points that all coincide
 //! cost no more.
 //!
-//! All is computed in f64 of coordinates that are f32: distances to boxes are rounded monotonically in the same order
+//! Everything is computed in f64 from f32 coordinates: distances to boxes are rounded monotonically in the same order
 //! of operations as those to points, so pruning loses nothing. Places may lie far outside the cloud.
 //!
 //! When it wins: over [`super::bucket_search`] where places have no bucket of their own to search from, and one
@@ -106,7 +106,7 @@ fn distances_squared(boxes: &BoxRow, place: DVec3) -> [f64; LANES] {
     sums
 }
 
-/// Added in the order in which those of boxes are.
+/// Squared length, summed in the same order as for boxes.
 fn squared(v: DVec3) -> f64 {
     v.x * v.x + v.y * v.y + v.z * v.z
 }

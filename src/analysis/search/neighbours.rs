@@ -1,7 +1,7 @@
 //! The k nearest neighbours of every point, exactly.
 //!
-//! Sets of neighbours are found a bucket at a time ([`super::bucket_search`]); here they are shared out among threads,
-//! and put in order for those who ask from outside.
+//! Sets of neighbours are found one bucket at a time ([`super::bucket_search`]); this module distributes them over
+//! threads and puts them in order for other modules.
 
 use super::bucket_search::BucketSearch;
 use super::point_tree::{LANES, PointTree};
@@ -25,7 +25,7 @@ pub struct Neighbours {
 const POINTS_PER_PIECE: usize = 64 * LANES;
 
 impl Neighbours {
-    /// Lists of consecutive points, of which `write` gets those of some.
+    /// Lists of consecutive points, written in pieces by `write`.
     fn by_pieces(points: Range<usize>, per_point: usize, write: impl Fn(Range<usize>, &mut [u32]) + Sync) -> Self {
         let pieces = (0..points.len().div_ceil(POINTS_PER_PIECE)).into_par_iter();
         let pieces = pieces.map(|piece| {
@@ -45,7 +45,7 @@ impl Neighbours {
         }
     }
 
-    /// Neighbours a point: the k asked for, or as many as there are other points.
+    /// Neighbours per point: the requested k, or the number of other points if smaller.
     pub fn per_point(&self) -> usize {
         self.per_point
     }

@@ -18,7 +18,7 @@ impl Places {
     /// `None` where hardly any point is a copy. Copies are looked for among neighbours in memory: frames are in Morton
     /// order, in which they stand together.
     pub(in crate::analysis) fn of(points: &[Vec3]) -> Option<Self> {
-        /// Fewer copies than one point in so many hardly take neighbours from the others.
+        /// Fewer copies than one in this many points hardly take neighbours from the others.
         const RARE: usize = 16;
         let copies = points.windows(2).filter(|pair| pair[0] == pair[1]).count();
         if copies == 0 || copies * RARE < points.len() {

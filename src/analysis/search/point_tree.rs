@@ -7,8 +7,7 @@
 //! 8`, row `r` of any other the rows `8 r .. 8 r + 8` of the level below.
 //!
 //! When it wins: over a uniform grid wherever density varies. A cluster with an outlier a million times its size away,
-//! or a laser scanner's sweep, is split as evenly as a sphere; even points that all coincide are shared out among
-//! buckets.
+//! or a LiDAR's sweep, is split as evenly as a sphere; even points that all coincide are shared out among buckets.
 //!
 //! Coordinates are scaled by a power of two into −1..1, which is exact, so that squared distances neither overflow nor
 //! (for clouds of one scale) underflow.
@@ -31,7 +30,7 @@ const PARALLEL_SPLIT: usize = 4096;
 #[derive(Debug)]
 pub(in crate::analysis) struct PointTree {
     points: Vec<SlotPoint>,
-    /// The slot of each point of the file, once somebody asks: searches do not.
+    /// The slot of each point of the file, computed on demand: searches do not need it.
     slots: OnceLock<Vec<u32>>,
     pub(in crate::analysis) buckets: Vec<Bucket>,
     /// Boxes of the buckets first, one row at the end; none without points.
@@ -98,7 +97,7 @@ impl NodeBox {
     }
 }
 
-/// A point in its slot, or on its way there: what fits one register of four.
+/// A point in its slot, or while it moves there: fits one register of four.
 #[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C, align(16))]
 pub(in crate::analysis) struct SlotPoint {
@@ -148,7 +147,7 @@ impl PointTree {
         }
     }
 
-    /// Gives back what only searches need, the larger half.
+    /// Frees the part that only searches need, the larger half.
     pub(in crate::analysis) fn forget_boxes(&mut self) {
         self.buckets = Vec::new();
         self.levels = Vec::new();

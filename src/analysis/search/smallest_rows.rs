@@ -8,10 +8,10 @@
 use super::point_tree::{LANES, LaneRow};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
 
-/// Registers that rows are merged into at a time; with some room for what is merged they fit the sixteen of AVX.
+/// Registers that rows are merged into at a time; with some registers for the merged rows they fit the sixteen of AVX.
 const TOGETHER: usize = 12;
 
-/// Registers for a k between [`TOGETHER`] and this: what does not fit AVX costs less than a second group.
+/// Registers for a k between [`TOGETHER`] and this: spilling beyond AVX costs less than a second group.
 const MORE_TOGETHER: usize = 16;
 
 /// The k smallest numbers of each lane.
@@ -35,7 +35,7 @@ impl SmallestRows {
         }
     }
 
-    /// Forgets what was found: from now on only numbers below `limit` count.
+    /// Clears the results: from now on only numbers below `limit` count.
     pub(super) fn reset(&mut self, limit: LaneRow) {
         self.rows.fill(limit);
     }
@@ -76,7 +76,7 @@ fn merge_or_sink<S: Simd, const N: usize>(simd: S, group: &mut [LaneRow; N], row
     }
 }
 
-/// Puts `rows` where they belong in the ascending registers of `group`; what comes out below goes to `below`.
+/// Puts `rows` where they belong in the ascending registers of `group`; rows pushed out go to `below`.
 #[inline(always)]
 fn sink<S: Simd, const N: usize>(
     simd: S,
@@ -210,7 +210,7 @@ mod tests {
     use fearless_simd::{Level, dispatch};
     use proptest::prelude::*;
 
-    /// What a lane should hold: the numbers sorted, filled up with the limit.
+    /// Expected contents of a lane: the numbers sorted, filled up with the limit.
     fn smallest(numbers: impl Iterator<Item = f32>, limit: f32, k: usize) -> f32 {
         let mut sorted: Vec<f32> = numbers.map(|number| number.min(limit)).collect();
         sorted.sort_by(f32::total_cmp);

@@ -3,7 +3,7 @@
 use crate::analysis::test_shapes::{self, Random};
 use crate::analysis::*;
 
-/// Without its signs, which are decided in another way.
+/// The surface without signs, which are decided differently.
 fn unsigned(surface: &Surface) -> (Vec<Vec3>, &[f32], &[u32]) {
     let normals = surface.normals.iter();
     let upwards = |normal: &Vec3| match normal.to_array().iter().find(|&&c| c != 0.0) {
@@ -13,7 +13,7 @@ fn unsigned(surface: &Surface) -> (Vec<Vec3>, &[f32], &[u32]) {
     (normals.map(upwards).collect(), &surface.radii, &surface.without_plane)
 }
 
-/// With a sensor lists of neighbours are kept for a block at a time, without one for all of these few points.
+/// With a sensor, neighbour lists exist for one block at a time; without one, for all of these few points.
 #[test]
 fn blocks_match_a_single_pass_bit_for_bit() {
     let mut random = Random(24);

@@ -1,13 +1,13 @@
 //! Normals and radii block by block, so that the neighbours of all points are never in memory at once.
 //!
 //! How it works: slots of the k-d tree that follow each other are close in space, so nearly all neighbours of a block
-//! of them are in it. A block is searched, fitted and measured as a whole cloud is, by the same functions; then the
-//! radii of a point's neighbours, which limit its own, are summed up while its list is still there. Only points with a
+//! of them are in it. A block is searched, fitted and measured by the same functions as a whole cloud; then the radii
+//! of a point's neighbours, which limit its own, are summed up while its list still exists. Only points with a
 //! neighbour beyond the block keep their lists until all cells are measured: 2 to 5 % of a surface. All operations and
-//! their order are those of the whole, so the answers are the same bits.
+//! their order are the same as for the whole cloud, so results are bit-identical.
 //!
-//! When it wins: wherever nobody needs the lists afterwards. Twelve neighbours of 13.8 million points are 660 MB, of
-//! the block's rims 30.
+//! When it wins: wherever the lists are not needed afterwards. Twelve neighbours of 13.8 million points are 660 MB,
+//! those at the block borders 30.
 
 use super::normals;
 use super::options::{DEFAULT_NEIGHBOURS, PlaneFit};
@@ -116,7 +116,8 @@ pub(in crate::analysis) fn surface(
     })
 }
 
-/// Writes the summed up inverse `cells` of the neighbours of each slot of a block to `sums`, but for those of its rim.
+/// Writes the summed up inverse `cells` of the neighbours of each slot of a block to `sums`, except at the border of
+/// the block.
 fn sum_up(neighbours: &Neighbours, slots: Range<usize>, cells: &[f32], sums: &mut [f32]) -> Rim {
     let inverse: Vec<f32> = cells.iter().map(|&cell| radii::inverse_of(cell)).collect();
     let mut rim = Rim::default();

@@ -3,14 +3,14 @@
 //!
 //! How it works: a disk of radius r lies on the tangent plane of a surface of curvature κ, so its edge is κr²/2 above
 //! it, and beyond an outline it reaches by as much. In the tangent plane of a point the surface is `h = (a u² + 2b uv +
-//! c v²) / 2`; the three numbers are least squares of the heights and the slopes of its neighbours, each divided by
-//! what it grows with (the squared distance, the distance), so that all are curvatures. Where the largest curvature
+//! c v²) / 2`; the three numbers are least squares of the heights and the slopes of its neighbours, each divided by the
+//! quantity it grows with (the squared distance, the distance), so that all are curvatures. Where the largest curvature
 //! turns the normal noticeably within the disk, and the neighbours agree on it, the disk becomes 7 or 19 in a hexagon,
 //! each at its height and turned to its slope. Half the radius has a quarter of the error.
 //!
 //! When it wins: on few points of a smooth surface, whose disks are large: in input images, outlines of an object are
-//! next to what is behind it. Many points have small disks; at creases, leaves and noise the neighbours disagree, and
-//! the disks stay as they are. After the quadrics of osculating jets (Cazals and Pouget 2005, *Estimating differential
+//! next to its background. Many points have small disks; at creases, leaves and noise the neighbours disagree, and the
+//! disks stay as they are. After the quadrics of osculating jets (Cazals and Pouget 2005, *Estimating differential
 //! quantities using polynomial fitting of osculating jets*), of degree two with the normal known.
 
 use crate::analysis::nearest_neighbours;
@@ -23,7 +23,7 @@ const NEIGHBOURS: usize = 12;
 /// Neighbours farther away than this many radii say nothing of the disk.
 const REACH: f32 = 4.0;
 
-/// Cosine between normals of what is one surface.
+/// Minimum cosine between normals of one surface.
 const SAME_SURFACE: f32 = 0.5;
 
 /// Thresholds of the turn of the normal from the centre of a disk to its edge, radians: below the first, the disk stays
@@ -80,7 +80,7 @@ pub struct Disk {
     pub radius: f32,
 }
 
-/// The disks that stand for each of `disks`, and the index of that one. `is_used` are those that are of the surface;
+/// The disks that replace each of `disks`, and the index of that one. `is_used` are those that are of the surface;
 /// others stay, and say nothing of it. `None` where all stay as they are. Precondition: all numbers are finite.
 pub fn curved_splats(disks: &[Disk], is_used: impl Fn(usize) -> bool + Sync) -> Option<Vec<(usize, Disk)>> {
     let used: Vec<usize> = (0..disks.len()).filter(|&at| is_used(at)).collect();
@@ -119,7 +119,7 @@ struct Quadric {
 }
 
 impl Quadric {
-    /// That of a disk whose neighbours these are, if it bends it.
+    /// The quadric of a disk with these neighbours, if it bends the disk.
     fn of<'a>(disk: &Disk, around: impl Iterator<Item = &'a Disk>) -> Option<Self> {
         let normal = disk.normal;
         let across = normal.any_orthonormal_vector();
@@ -171,7 +171,7 @@ impl Quadric {
         })
     }
 
-    /// The disks that stand for a disk.
+    /// The disks that replace a disk.
     fn add_disks(&self, disk: &Disk, mut add: impl FnMut(Disk)) {
         let is_strong = self.max * disk.radius > TURNS[1];
         let (count, step, radius) = if is_strong { NINETEEN } else { SEVEN };
@@ -212,7 +212,7 @@ mod tests {
         }
     }
 
-    /// A tube of radius 0.3 along z, about [`SPACING`] apart, longer than what is looked at.
+    /// A tube of radius 0.3 along z, about [`SPACING`] apart, longer than the examined part.
     fn tube() -> Vec<Disk> {
         (0..40 * 19)
             .map(|at| {
@@ -242,7 +242,7 @@ mod tests {
             .collect()
     }
 
-    /// Rims of disks, which are what shows beyond outlines.
+    /// Points on the edges of disks, which show beyond outlines.
     fn rim(disk: &Disk) -> [Vec3; 8] {
         let across = disk.normal.any_orthonormal_vector();
         let axes = [across, disk.normal.cross(across)];
@@ -322,7 +322,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever the disks are, theirs are finite, no larger, and not farther from them than they reach.
+        /// For any disks, the resulting ones are finite, no larger, and within their reach.
         #[test]
         fn curved_splats_stay_within_their_disks(
             disks in prop::collection::vec(

@@ -1,19 +1,19 @@
 //! Elliptical splats that close the surface where circles do, with less area where points are farther apart in one
 //! direction.
 //!
-//! How it works: a Voronoi cell is measured along 32 directions, as in [`super::radii`]. Its longer axis is that of its
-//! second-order area integral, `∫ r⁴ (cos 2θ, sin 2θ) dθ` for the distance `r` to its end. Its [`Ellipse`] has the
+//! How it works: a Voronoi cell is measured along 32 directions, as in [`super::radii`]. Its longer axis is the axis of
+//! its second-order area integral, `∫ r⁴ (cos 2θ, sin 2θ) dθ` for the distance `r` to its end. Its [`Ellipse`] has the
 //! distance to the farthest corner, `R`, as the quadratic mean of its half axes: then it is the circle around the cell,
 //! or smaller, and where a circle just covers a rectangle, so does the ellipse that is as long in proportion. (One
 //! within the circle does not cover the corner unless it is the circle.) So its only freedom is the ratio ρ of the half
 //! axes, and it covers the corner at distance `r` and angle φ from the axis if `ρ² cos²φ + sin²φ / ρ² ≤ 2 R² / r² − 1 =
-//! K`, which is a min ρ² of `2 sin²φ / (K + √(K² − sin² 2φ))`. The largest of these is the thinnest ellipse that
-//! covers the cell. Of the farthest corner it is tan φ: the ratio of the sides of a rectangle.
+//! K`, which is a min ρ² of `2 sin²φ / (K + √(K² − sin² 2φ))`. The largest of these is the thinnest ellipse that covers
+//! the cell. For the farthest corner it is tan φ: the ratio of the sides of a rectangle.
 //!
 //! Where the cell is open, or reaches beyond the neighbours that are known, there is a circle.
 //!
-//! When it wins: where rows of points are closer along than across, as in sweeps of a scanner. Measured apart from
-//! radii, because it takes longer than they do and circles are drawn by default.
+//! When it wins: where rows of points are closer along than across, as in LiDAR sweeps. Measured apart from radii,
+//! because it takes longer than they do and circles are drawn by default.
 
 use super::directions::DIRECTIONS;
 use super::holes::TWICE_COSINE;
@@ -154,7 +154,8 @@ mod tests {
     use crate::analysis::splat_radii;
     use crate::analysis::test_shapes::{Random, sphere};
 
-    /// The middle of a lattice of these steps along two axes, turned by an angle in radians; its axis of smaller steps.
+    /// The centre of a lattice with these steps along two axes, rotated by an angle in radians; its axis of smaller
+    /// steps.
     fn lattice(steps: [f32; 2], turn: f32) -> (Vec<Vec3>, Vec3) {
         let (sine, cosine) = turn.sin_cos();
         // In the plane across (0, 0.6, 0.8).
@@ -169,7 +170,7 @@ mod tests {
 
     const NORMAL: Vec3 = Vec3::new(0.0, 0.6, 0.8);
 
-    /// Ellipses of points that are not near the rim of a [`lattice`].
+    /// Ellipses of points that are not near the edge of a [`lattice`].
     fn inner(positions: &[Vec3]) -> Vec<Option<Ellipse>> {
         let ellipses = splat_ellipses(positions, &vec![NORMAL; positions.len()]);
         let is_inner = |index: usize| (8..17).contains(&(index % 25)) && (8..17).contains(&(index / 25));
@@ -203,7 +204,7 @@ mod tests {
         }
     }
 
-    /// Share of a fine grid over the middle of a lattice that no ellipse of `scale` times the radius covers.
+    /// Share of a fine grid over the centre of a lattice that no ellipse of `scale` times the radius covers.
     fn open_share(positions: &[Vec3], steps: [f32; 2], turn: f32, scale: f32) -> f32 {
         let normals = vec![NORMAL; positions.len()];
         let radii = splat_radii(positions, &normals);

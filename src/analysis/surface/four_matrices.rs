@@ -1,10 +1,9 @@
 //! The direction of least spread of four covariances at a time.
 //!
-//! How it works: the steps of [`SymmetricMat3::smallest_eigenvector`], in which a matrix waits for the roots and
-//! quotients of its own most of the time, taken by four matrices side by side. The operations and their order are the
-//! same, so the answers are the same bits. Both of its branches, the smallest eigenvalue standing apart from the others
-//! or not, are taken as long as one of the four needs it; a matrix that is a multiple of the identity is handed back to
-//! that function.
+//! How it works: the steps of [`SymmetricMat3::smallest_eigenvector`], in which a matrix mostly waits for its own roots
+//! and quotients, taken by four matrices side by side. The operations and their order are the same, so results are
+//! bit-identical. Both of its branches, the smallest eigenvalue standing apart from the others or not, are taken as
+//! long as one of the four needs it; a matrix that is a multiple of the identity is handed back to that function.
 //!
 //! When it wins: over one matrix after the other, about three times on surfaces.
 
@@ -165,7 +164,7 @@ impl<S: Simd> FourMatrices<S> {
 
         let half_difference = (uu - vv) * 0.5;
         let radius = (half_difference * half_difference + uv * uv).sqrt();
-        // Of the two vectors, the one without cancellation.
+        // The one of the two vectors without cancellation.
         let is_first = half_difference.simd_ge(zero);
         let a = simd.select_f64x4(is_first, radius + half_difference, uv);
         let b = simd.select_f64x4(is_first, uv, radius - half_difference);

@@ -1,13 +1,13 @@
-//! Openings of Voronoi cells that are narrower than the directions along which [`super::radii`] measures are apart.
+//! Gaps of Voronoi cells narrower than the angle between the directions along which [`super::radii`] measures.
 //!
 //! How it works: the inverse distance to the end of a cell is the largest of the `w·d`, one for each line. Along a
 //! single line it is a sinusoid, so `h' − 2 cos δ h + 'h` of the inverse distances in three directions δ apart is 0;
-//! where another line takes over it is what the next value is more than the first line, continued, would have made it.
-//! Let these surpluses be `a` and `b` at two neighbouring directions, with inverse distances `g` and `h`. The line that
-//! ends the cell before the first, continued beyond it, and the line that ends the cell after the second, continued
-//! backwards, then meet along `a` times the first direction plus `b` times the second, as `w·d` is linear in `d`, and
-//! there (times the length of that sum) the inverse distance is `a g + b (h − a)`. No line makes it less; if it is next
-//! to nothing, and stays so when all lines are asked, the cell is open there.
+//! where another line takes over it is the surplus of the next value over the first line, continued. Let these
+//! surpluses be `a` and `b` at two neighbouring directions, with inverse distances `g` and `h`. The line that ends the
+//! cell before the first, continued beyond it, and the line that ends the cell after the second, continued backwards,
+//! then meet along `a` times the first direction plus `b` times the second, as `w·d` is linear in `d`, and there (times
+//! the length of that sum) the inverse distance is `a g + b (h − a)`. No line makes it less; if it is next to nothing,
+//! and stays so when all lines are asked, the cell is open there.
 //!
 //! When it wins: over more directions, which are never enough for a row of points, whose cells are strips between two
 //! parallel lines.
@@ -18,16 +18,16 @@ use crate::analysis::search::point_tree::LaneRow;
 /// Share of the inverse distance to the last neighbour below which a cell is open between two directions.
 ///
 /// Much less than along a direction: one in two hundred points scattered on a surface has a sharp corner twice as far
-/// out as the last neighbour. It is no opening, and the point may be left with a near duplicate only if it does not
+/// out as the last neighbour. It is not a gap, and the point may be left with a near duplicate only if it does not
 /// count.
 pub(super) const OPEN_BETWEEN: f32 = 1.0 / 64.0;
 
 /// Twice the cosine of δ, a 32nd of a turn.
 pub(super) const TWICE_COSINE: f32 = 1.961_570_6;
 
-/// Sets to 0 the inverse distances next to an opening between two directions, of the inverse distances of eight cells
-/// to their ends. `known` are those to the last neighbours, `lines` the `w` of all. To be called where there may be
-/// one, which is rare.
+/// Sets to 0 the inverse distances next to a gap between two directions, in the inverse distances of eight cells to
+/// their ends. `known` are the inverse distances to the last neighbours, `lines` the `w` of all. To be called where
+/// there may be a gap, which is rare.
 #[cold]
 pub(super) fn set_open(
     quarter_circle: &[[f32; 2]; QUARTER],
@@ -71,7 +71,7 @@ fn set_open_in_lane(
     }
 }
 
-/// Returns the cosine and sine of any direction, from those of one quarter of the circle.
+/// Returns the cosine and sine of any direction, from one quarter of the circle.
 fn cosine_and_sine(quarter_circle: &[[f32; 2]; QUARTER], direction: usize) -> [f32; 2] {
     let quarter = QUARTER - 1;
     let [cosine, sine] = quarter_circle[direction % quarter];
@@ -90,7 +90,7 @@ mod tests {
     use crate::analysis::search::point_tree::LANES;
     use std::f32::consts::TAU;
 
-    /// The inverse distances of a cell, and what is left of them.
+    /// The inverse distances of a cell, before and after gaps are cleared.
     fn measure(lines: &[[f32; 2]]) -> [[f32; DIRECTIONS]; 2] {
         let circle = quarter_circle();
         let inverse: [f32; DIRECTIONS] = std::array::from_fn(|direction| {

@@ -2,14 +2,14 @@
 //!
 //! How it works: of evenly spaced buckets, each point and its nearest neighbours are fitted by a quadric over their
 //! tangent plane (least squares of six coefficients). The residual, corrected for these coefficients, is the noise
-//! across the surface: curvature is in the quadric. The spacing is that of the same points, from the area of the
-//! ellipse that has their variances. The noise of the cloud is the median of the quotients.
+//! across the surface: curvature is in the quadric. The spacing of the same points comes from the area of the ellipse
+//! with their variances. The noise of the cloud is the median of the quotients.
 //!
 //! When it wins: over the residual of a plane, which takes curvature for noise (20,000 points of a torus without noise:
 //! 0.037 spacings, 0.001 here; more where they are fewer). On 20,000 points of spheres, tori, planes and cubes with
 //! Gaussian noise of 0.1, 0.3, 0.5 and 0.7 spacings along each axis it finds 0.10 to 0.12, 0.30 to 0.33, 0.46 to 0.53
-//! and 0.61 to 0.66, at random places and in scan lines. Edges are no quadrics, so the median is of no use where most
-//! neighbourhoods reach over one: a cube of 500 points.
+//! and 0.61 to 0.66, at random places and in scan lines. Edges are not quadrics, so the median is useless where most
+//! neighbourhoods span one: a cube of 500 points.
 
 use crate::analysis::search::point_tree::{LANES, PointTree};
 use crate::math::SymmetricMat3;

@@ -1,5 +1,4 @@
-//! Noisy shapes whose normals are known: the noise that is found, and what widened neighbourhoods and smoothing make of
-//! them.
+//! Noisy shapes with known normals: the estimated noise, and the results of widened neighbourhoods and smoothing.
 
 use crate::analysis::test_shapes::{Random, Sampled, cuboid, sphere, torus};
 use crate::analysis::{
@@ -47,7 +46,7 @@ fn median(found: &[Vec3], shape: &Sampled) -> f32 {
     angles[angles.len() / 2]
 }
 
-/// A torus has curvature, which is no noise; a coarse one has more of it in each neighbourhood.
+/// A torus has curvature, which is not noise; a coarse one has more of it in each neighbourhood.
 #[test]
 fn the_noise_is_found_whatever_the_curvature() {
     let mut random = Random(31);
@@ -67,7 +66,7 @@ fn the_noise_is_found_whatever_the_curvature() {
     }
 }
 
-/// At 0.5 spacings of noise 5 degrees are asked for; twelve neighbours are off by more than twice that.
+/// At 0.5 spacings of noise 5 degrees are required; twelve neighbours are off by more than twice that.
 #[test]
 fn normals_of_noisy_shapes_are_those_of_the_shape() {
     let mut random = Random(32);
@@ -139,8 +138,8 @@ fn clouds_without_noise_keep_the_normals_of_twelve_neighbours() {
     }
 }
 
-/// Whole or by blocks, with the default or another number of neighbours: normals are those of planes, and radii close
-/// the surface.
+/// Whole or by blocks, with the default or another number of neighbours: normals come from planes, and radii close the
+/// surface.
 #[test]
 fn options_hold_with_and_without_a_sensor() {
     let mut random = Random(35);

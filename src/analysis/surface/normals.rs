@@ -7,7 +7,8 @@
 //! ([`super::four_matrices`]).
 //!
 //! A plane is defined where the points spread in a second direction by more than the rounding of their coordinates can
-//! make of a line or of a single place. Where it is not, the normal is across what there is, and the point is reported.
+//! make of a line or of a single place. Where it is not, the normal is perpendicular to the points there are, and the
+//! point is reported.
 //!
 //! The sign is arbitrary here; [`super::orientation`] decides it.
 
@@ -55,7 +56,7 @@ pub(in crate::analysis) fn fit_planes(tree: &PointTree, neighbours: &Neighbours,
     }
 }
 
-/// [`fit_planes`] of all points, and what the planes were fitted to.
+/// [`fit_planes`] of all points, and the neighbourhoods the planes were fitted to.
 pub(in crate::analysis) fn fit_neighbourhoods(
     tree: &PointTree,
     neighbours: &Neighbours,
@@ -239,7 +240,7 @@ impl<S: Simd> FourSums<S> {
 /// Returns, per lane, true if points (their covariances not divided by their number, `count`) spread in a second
 /// direction and so span a plane.
 ///
-/// Rounding moves a coordinate by 2⁻²⁴ of itself at most, and so a point of a line away from it by √3 times that of its
+/// Rounding moves a coordinate by 2⁻²⁴ of itself at most, and so moves a point off its line by at most √3 · 2⁻²⁴ of its
 /// largest coordinate. The two smaller eigenvalues of a rounded line sum up to no more than that squared, for each
 /// point; over the largest eigenvalue, which is nearly the trace, they are the pairwise products.
 #[inline(always)]

@@ -21,7 +21,7 @@ pub enum PlaneFit {
 }
 
 impl PlaneFit {
-    /// All ways, in the order in which a list shows them.
+    /// All methods, in the order of a list.
     pub const ALL: [Self; 2] = [Self::Plain, Self::Robust];
 
     /// Its word in tables and files.

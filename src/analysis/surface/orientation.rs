@@ -5,10 +5,9 @@
 //!
 //! *Mirroring.* Where the surface bends between two points, comparing their normals says little: at the edge of a
 //! cube they are perpendicular, and across a thin sheet they look alike but face opposite ways. So the normal of one
-//! point is first mirrored at the plane midway between the two (Xie et al. 2003), which is what a circular arc
-//! through both would do to it. An edge along the tangent planes leaves the normal as it is, and the weight is the
-//! usual `1 − |n·n'|`. An edge along the normals is the least to be trusted, as noise looks like that too, and comes
-//! last.
+//! point is first mirrored at the plane midway between the two (Xie et al. 2003), as a circular arc through both would
+//! do. An edge along the tangent planes leaves the normal as it is, and the weight is the usual `1 − |n·n'|`. An edge
+//! along the normals is the least trustworthy, as noise looks like that too, and comes last.
 //!
 //! *No tree is built.* Kruskal's algorithm joins components in the order of their weights; each point stores whether
 //! its normal agrees with that of its parent in the union-find forest. When all edges are in, every point knows its
@@ -25,7 +24,7 @@ use crate::analysis::search::point_tree::{LANES, PointTree, SlotPoint};
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Turns the normals of consecutive slots to the half-space that `sensor`, in scene units, is in.
+/// Turns the normals of consecutive slots to the half-space of `sensor`, in scene units.
 pub(in crate::analysis) fn face_sensor(tree: &PointTree, sensor: Vec3, first_slot: usize, normals: &mut [Vec3]) {
     let sensor = sensor / tree.unit();
     for (normal, point) in normals.iter_mut().zip(&tree.points()[first_slot..]) {
@@ -56,16 +55,16 @@ pub(in crate::analysis) fn face_outwards(tree: &PointTree, neighbours: &Neighbou
     }
 }
 
-/// One point in so many represents those around it: two rings of buckets on a surface, few enough that most lie on one
-/// sheet.
+/// One in this many points represents those around it: two rings of buckets on a surface, few enough that most lie on
+/// one sheet.
 const POINTS_PER_REPRESENTATIVE: usize = 8 * LANES;
 
-/// Orients normals (by slot) to agree with those of representatives, which agree over a neighbourhood graph of their
-/// own and face outwards.
+/// Orients normals (by slot) to agree with those of representatives, which agree over their own neighbourhood graph and
+/// face outwards.
 ///
 /// Each row of buckets is represented by its central point. The forest over a sixty-fourth of the points takes a
-/// sixty-fourth of the time and memory of [`face_outwards`], and the rest is one look at each point. It fails for
-/// points whose representative is on another sheet: thin walls, and creases sharper than rows are wide.
+/// sixty-fourth of the time and memory of [`face_outwards`], and the rest is one visit per point. It fails for points
+/// whose representative is on another sheet: thin walls, and creases sharper than rows are wide.
 pub(in crate::analysis) fn face_as_representatives(tree: &PointTree, k: usize, normals: &mut [Vec3]) {
     let points = tree.points();
     let centers: Vec<usize> = points
@@ -102,7 +101,7 @@ fn center_of(points: &[SlotPoint]) -> usize {
     nearest.map_or(0, |(place, _)| place)
 }
 
-/// Weight in steps above one bit that says whether the two normals disagree.
+/// Weight in steps above one bit that is set if the two normals disagree.
 type Edge = u16;
 
 /// Steps that the weight 1 is divided into.
@@ -271,7 +270,7 @@ impl SignForest {
     }
 }
 
-/// Below this, what the extreme points say is rounding: an open sheet seen along its plane.
+/// Below this, the extreme points give only rounding errors: an open sheet seen along its plane.
 const UNDECIDED: f32 = 1e-3;
 
 /// For each root, whether its component faces inwards at its extreme points.

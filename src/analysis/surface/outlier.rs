@@ -1,13 +1,12 @@
 //! Outlier detection: isolated points next to a surface.
 //!
-//! How it works: a point is an *outlier* if it is far from its neighbours, measured by how far apart these are among
-//! themselves, and off the plane that fits them best. Neither criterion alone suffices. A point of a sparse wall next
-//! to a dense one is as far from others, and on their plane; a point of an edge is off the plane, and as near as others
-//! are.
+//! How it works: a point is an *outlier* if it is far from its neighbours, relative to their own spacing, and off the
+//! plane that fits them best. Neither criterion alone suffices. A point of a sparse wall next to a dense one is far
+//! from the others, but on their plane; a point of an edge is off the plane, but near.
 //!
 //! When it wins: over a bound on distances alone (statistical outlier removal), which takes sparse parts of a cloud for
 //! outliers where others are dense. Points of image-based reconstruction are like that: crowded where a texture is
-//! rich, few on a wall, and those of wrong matches in the air.
+//! rich, few on a wall, and wrong matches in mid-air.
 
 use crate::analysis::DEFAULT_NEIGHBOURS;
 use crate::analysis::search::neighbours::{Neighbours, nearest_neighbours};

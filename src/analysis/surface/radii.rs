@@ -5,17 +5,17 @@
 //! tangent plane, and the cell is measured along 32 directions. The line midway to a neighbour at `q` is `|q|² / 2 q·d`
 //! away in direction `d`; the cell ends at the nearest of these lines, that is, the largest of the `w·d` with `w = 2 q
 //! / |q|²`. That needs neither branches nor sorting, and eight points are measured in one SIMD register. Where the cell
-//! reaches farthest there is a corner; the radius is the distance to the farthest corner, with some overlap for those
+//! reaches farthest there is a corner; the radius is the distance to the farthest corner, with some overlap for corners
 //! between two directions. This is about the smallest radius with which a point need not rely on the disks of others.
 //!
 //! Where the cell is open (the edge of a surface, a line of points) it has no farthest place; there, only corners
-//! between two neighbours count, and the lines midway to neighbours. An opening may be narrower than the directions are
-//! apart: the cell of a point in a row is a strip between two parallel lines. So between two directions the lines that
-//! end the cell on both sides are continued to where they meet ([`super::holes`]).
+//! between two neighbours count, and the lines midway to neighbours. A gap may be narrower than the angle between
+//! directions: the cell of a point in a row is a strip between two parallel lines. So between two directions the lines
+//! that end the cell on both sides are continued to where they meet ([`super::holes`]).
 //!
 //! Outliers would get disks that hide the scene: a radius is at most a few times the harmonic mean of its neighbours'
 //! radii, which are small for an outlier near a dense surface but grow along in regions that are sparse throughout; and
-//! far beyond the median of the cloud none may grow.
+//! no radius may grow far beyond the median of the cloud.
 //!
 //! When it wins: over multiples of the mean neighbour distance, which are too small for points at the end of a row and
 //! too large for all others.
@@ -65,9 +65,9 @@ pub(in crate::analysis) fn closing_radii(tree: &PointTree, neighbours: &Neighbou
     radii
 }
 
-/// Distances from consecutive points to the farthest corners of their cells, in units of the tree; 0 without neighbours
-/// apart. `normals` are those of these points. Precondition: the first slot begins a bucket, and the last one ends one
-/// or is the last of all.
+/// Distances from consecutive points to the farthest corners of their cells, in units of the tree; 0 without distinct
+/// neighbours. `normals` belong to these points. Precondition: the first slot begins a bucket, and the last one ends
+/// one or is the last of all.
 pub(super) fn cell_radii(tree: &PointTree, neighbours: &Neighbours, normals: &[Vec3], slots: Range<usize>) -> Vec<f32> {
     let level = Level::new();
     let mut radii = vec![0.0; slots.len()];

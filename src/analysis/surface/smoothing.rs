@@ -1,18 +1,18 @@
 //! Projection of points onto the surface around them: moving least squares.
 //!
 //! How it works: after Alexa et al. (2003), each point is moved along the normal of a local reference plane. That plane
-//! is fitted to the neighbours, weighted by their distance from where the point comes to lie on it, which is found in
+//! is fitted to the neighbours, weighted by their distance from the point's projection onto it, which is found in
 //! [`ROUNDS`] steps. Then a quadric over the plane is fitted with the same weights, and the point moves onto it. A
-//! plane alone would shrink round things: their points lie on one side of it.
+//! plane alone would shrink round objects: their points lie on one side of it.
 //!
-//! The neighbourhood is given in point spacings and holds the number of points that a disk of this radius has; so it is
-//! as wide where a cloud is sparse as its points are apart there. Weights end at the farthest neighbour.
+//! The neighbourhood is given in point spacings and holds the number of points that a disk of this radius has; so its
+//! width follows the local point spacing. Weights end at the farthest neighbour.
 //!
-//! Points in a row, or in one place, stay where they are: they have no surface. Edges become round, as with any
-//! surface that is smooth.
+//! Points in a row, or in one place, stay where they are: they have no surface. Edges become round, as with any smooth
+//! surface.
 //!
-//! When it wins: over normals from more neighbours where the points themselves are the noise, which a silhouette and an
-//! edge-on view show whatever normals are.
+//! When it wins: over normals from more neighbours where the positions themselves are noisy, which shows in silhouettes
+//! and edge-on views whatever the normals.
 
 use super::noise::Quadric;
 use crate::analysis::search::neighbours::Neighbours;
@@ -80,7 +80,7 @@ fn gather(points: &[SlotPoint], slot: usize, neighbours: &Neighbours, offsets: &
     offsets.extend(others.map(|&other| (points[other as usize].position - center).as_dvec3()));
 }
 
-/// Offset of a point to the surface through these, relative to it; `None` where they are no surface.
+/// Offset of a point to the surface through these, relative to it; `None` where they are not a surface.
 fn movement(offsets: &[DVec3]) -> Option<DVec3> {
     let reach_squared = offsets
         .iter()
@@ -89,7 +89,7 @@ fn movement(offsets: &[DVec3]) -> Option<DVec3> {
     if radius_squared.is_nan() || radius_squared < f64::MIN_POSITIVE {
         return None;
     }
-    // Where the point comes to lie on its reference plane.
+    // Projection of the point onto its reference plane.
     let mut place = DVec3::ZERO;
     let mut axes = [DVec3::Z; 3];
     for _ in 0..ROUNDS {

@@ -1,4 +1,4 @@
-//! Stages of estimating a surface, for who shows how far it is.
+//! Stages of surface estimation, for progress displays.
 
 /// Steps a point of each stage, in proportion to its time with two threads (`benches/README.md`).
 pub(in crate::analysis) const TREE_STEPS: usize = 4;

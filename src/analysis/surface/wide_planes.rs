@@ -1,23 +1,23 @@
-//! Normals of noisy clouds: each neighbourhood is widened by those of its neighbours.
+//! Normals of noisy clouds: each neighbourhood is merged with its neighbours'.
 //!
-//! How it works: mean and covariance of a neighbourhood are known from its plane. Those of the neighbours, shifted to a
-//! common centre and added up, are mean and covariance of a neighbourhood about twice as wide, and nobody searched for
-//! it. Doing that once more widens it again: from 12 neighbours to about 30 and then 45 points that count. The error of
-//! a normal is the noise over the width, times the root of the number of points.
+//! How it works: mean and covariance of a neighbourhood are known from its plane. Adding the neighbours' up, shifted to
+//! a common centre, gives mean and covariance of a neighbourhood about twice as wide, without a search. Repeating that
+//! widens it again: from 12 neighbours to effectively about 30 and then 45 points. The error of a normal is the noise
+//! over the width, times the root of the number of points.
 //!
 //! A neighbour counts by a power of the cosine between the two normals (after the bilateral filter; Fleishman et al.
 //! 2003), the fourth in the first pass, when normals are still noisy, the eighth in the second. So points of another
 //! face of an edge hardly count, and edges are sharper than they were. Four points are added up and solved side by
 //! side.
 //!
-//! Below [`NOISE`] spacings of noise nothing is done, so such clouds have the normals that they had before. In between,
-//! neighbours count in proportion, so that the normals of a sequence do not change at once where its noise does.
+//! Below [`NOISE`] spacings of noise nothing is done, so such clouds keep their normals. In between, neighbours count
+//! in proportion, so that the normals of a sequence do not jump where its noise crosses that bound.
 //!
 //! When it wins: over more neighbours. At noise of 0.5 spacings on a sphere, normals are off by 12.2° in the median
 //! from 12 neighbours, by 4.1 from 32, and by 3.3 here. Within two spacings of an edge 32 neighbours are off by 29.1°
 //! on average, 12 by 33.0, this by 27.2; without noise by 27.0, 20.0 and 17.2.
 //!
-//! Means are coordinates, rounded as those of points are; sums are f32, as noise is far above its rounding.
+//! Means are coordinates, rounded like points; sums are f32, as noise is far above its rounding.
 
 use super::four_matrices::{FOUR, FourMatrices};
 use crate::analysis::search::lanes::registers_of_four;
@@ -78,7 +78,7 @@ pub(in crate::analysis) fn set_normals(neighbourhoods: &mut [Neighbourhood], nor
 const PASSES: [usize; 2] = [1, 2];
 
 /// Writes the normals of widened neighbourhoods, by slot; those of slots `without_plane` (ascending) stay. `share` is
-/// that of the neighbours.
+/// the weight of the neighbours.
 pub(in crate::analysis) fn widen(
     mut neighbourhoods: Vec<Neighbourhood>,
     neighbours: &Neighbours,

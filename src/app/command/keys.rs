@@ -1,4 +1,4 @@
-//! Combinations of keys, and what the mouse does.
+//! Key combinations and mouse gestures.
 
 use egui::{Key, Modifiers};
 
@@ -63,7 +63,7 @@ impl Chord {
 pub struct Keys {
     /// Heading in the help window.
     pub group: &'static str,
-    /// As a person reads them.
+    /// Display text.
     pub text: &'static str,
     /// The combinations.
     pub chords: &'static [Chord],

@@ -2,7 +2,7 @@
 
 use crate::app::open_panels::PanelId;
 
-/// Something a person asks for, by its name in the table of commands. Only what is named beyond its row is listed here.
+/// A user command, by its name in the table of commands. Only those named outside of their rows are listed here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Command(&'static str);
 
@@ -21,7 +21,7 @@ impl Command {
     pub const SLOWER: Self = Self("slower");
     /// Play at the next higher speed.
     pub const FASTER: Self = Self("faster");
-    /// Play the other way.
+    /// Reverse the playing direction.
     pub const REVERSE: Self = Self("reverse");
     /// Off, loop, ping-pong.
     pub const NEXT_LOOP_MODE: Self = Self("loop mode");
@@ -39,9 +39,9 @@ impl Command {
     pub const PREVIOUS_MARKER: Self = Self("previous marker");
     /// The camera as it was when the sequence was opened.
     pub const RESET_VIEW: Self = Self("reset view");
-    /// Move back until all points are seen, outliers and what is far away as well.
+    /// Move back until all points are visible, including outliers and far ones.
     pub const FRAME_ALL: Self = Self("frame all");
-    /// Look from the sensor that took what is shown.
+    /// Look from the sensor that recorded the shown frame.
     pub const LOOK_FROM_SENSOR: Self = Self("look from sensor");
     /// Look along an axis.
     pub const FRONT: Self = Self("front");
@@ -57,7 +57,7 @@ impl Command {
     pub const BOTTOM: Self = Self("bottom");
     /// Parallel rays and back.
     pub const TOGGLE_ORTHOGRAPHIC: Self = Self("orthographic");
-    /// The camera turns by itself, or stops.
+    /// Start or stop the turntable.
     pub const TOGGLE_TURNTABLE: Self = Self("turntable");
     /// Put the view on the clipboard as text.
     pub const COPY_VIEW: Self = Self("copy view");
@@ -91,17 +91,17 @@ impl Command {
     pub const NEXT_LAYOUT: Self = Self("layout");
     /// Compare two render modes side by side, and back.
     pub const TOGGLE_COMPARISON: Self = Self("compare settings");
-    /// Record what arrives of a live stream to a file chosen with a dialog, or end that.
+    /// Record a live stream to a file chosen with a dialog, or end the recording.
     pub const TOGGLE_RECORDING: Self = Self("record");
-    /// Write the picture to a new file.
+    /// Write the image to a new file.
     pub const SCREENSHOT: Self = Self("save picture");
-    /// Write the picture to a file chosen with a dialog.
+    /// Write the image to a file chosen with a dialog.
     pub const SAVE_SCREENSHOT_AS: Self = Self("save picture as");
-    /// Choose what to export, or close that.
+    /// Open or close the export panel.
     pub const TOGGLE_EXPORT: Self = Self("export");
-    /// Choose as what the sequence is saved, or close that.
+    /// Open or close the panel for saving the sequence.
     pub const TOGGLE_SAVE: Self = Self("save");
-    /// Set a keyframe of what is shown.
+    /// Set a keyframe of the current view and frame.
     pub const ADD_KEYFRAME: Self = Self("keyframe");
     /// Play the camera path, or stop that.
     pub const TOGGLE_PREVIEW: Self = Self("play path");
@@ -125,7 +125,7 @@ impl Command {
     pub const BEGIN_AGAIN: Self = Self("begin again");
     /// Begin new documents with the look of the open one.
     pub const USE_AS_DEFAULTS: Self = Self("use as defaults");
-    /// Draw as a preset of this person, or a built-in one, of a name.
+    /// Draw with a named preset of this user, or a built-in one.
     pub const PRESET: Self = Self("preset");
     /// Draw as the built-in preset of a name.
     pub const BUILT_IN_PRESET: Self = Self("built-in-preset");
@@ -137,7 +137,7 @@ impl Command {
     pub const RUN_BENCHMARK: Self = Self("run-benchmark");
     /// Full screen and back.
     pub const FULL_SCREEN: Self = Self("full screen");
-    /// Show or hide small pictures over the timeline.
+    /// Show or hide thumbnails over the timeline.
     pub const TOGGLE_THUMBNAILS: Self = Self("thumbnails");
     /// Regenerate the thumbnails.
     pub const REDO_THUMBNAILS: Self = Self("redo thumbnails");
@@ -153,7 +153,7 @@ impl Command {
     pub const REDO: Self = Self("redo");
     /// Find commands by their names, or stop that.
     pub const TOGGLE_PALETTE: Self = Self("commands");
-    /// Close what is open, or leave full screen.
+    /// Close the topmost panel or tool, or leave full screen.
     pub const ESCAPE: Self = Self("escape");
     /// End the program.
     pub const QUIT: Self = Self("quit");

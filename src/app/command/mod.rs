@@ -1,5 +1,5 @@
-//! Commands: what keys, menus, the palette and scripts ask for, and what is said of each in its row. The table itself
-//! is [`crate::app::commands`].
+//! Commands: the actions of keys, menus, the palette and scripts, and the row that describes each. The table itself is
+//! [`crate::app::commands`].
 
 mod keys;
 mod kinds;

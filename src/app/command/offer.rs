@@ -9,7 +9,7 @@ pub(in crate::app) struct Offer {
     pub text: Cow<'static, str>,
     /// The value, as a script gives it; the beginning of another query where [`Offer::is_begun`].
     pub value: Cow<'static, str>,
-    /// A sentence about it; empty where the text says it.
+    /// A sentence about it; empty where the text suffices.
     pub hint: &'static str,
     /// Words of people and of other programs that find it.
     pub also: &'static [&'static str],

@@ -21,7 +21,7 @@ pub enum Menu {
 pub(in crate::app) enum Act<S> {
     /// Something without a value.
     Run(fn(&mut S)),
-    /// Something with a value that a script gives; the text says which. `Err` is a sentence for the person.
+    /// Something with a value that a script gives; the text names it. `Err` is a sentence for the user.
     Take(&'static str, fn(&mut S, &str) -> Result<(), String>),
 }
 
@@ -54,7 +54,7 @@ pub struct CommandRow<S: 'static> {
 }
 
 impl<S: 'static> CommandRow<S> {
-    /// A command that does something, without keys, whenever it is asked for.
+    /// A command that does something, without keys, whenever it is called.
     pub(in crate::app) const fn new(command: Command, title: &'static str, run: fn(&mut S)) -> Self {
         Self::with(command, title, Act::Run(run))
     }
@@ -158,7 +158,7 @@ impl<S: 'static> CommandRow<S> {
         self
     }
 
-    /// Its title as things are.
+    /// Its title in the current state.
     pub fn title(&self, state: &S) -> Cow<'static, str> {
         self.title_now.map_or(Cow::Borrowed(self.title), |title| title(state))
     }
@@ -168,7 +168,7 @@ impl<S: 'static> CommandRow<S> {
         (self.applies)(state).err()
     }
 
-    /// Its keys as a person reads them; empty without any.
+    /// Its keys as display text; empty without any.
     pub(in crate::app) fn keys_text(&self) -> &'static str {
         self.keys.map_or("", |keys| keys.text)
     }

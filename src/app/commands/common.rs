@@ -12,7 +12,7 @@ pub(in crate::app) type Row = CommandRow<State>;
 pub(in crate::app) mod group {
     /// Playback.
     pub(in crate::app) const PLAYING: &str = "Playing";
-    /// The picture and the panels.
+    /// The image and the panels.
     pub(in crate::app) const VIEW: &str = "View";
     /// Heading of the actions of clicks on points.
     pub(in crate::app) const POINTS: &str = "Points";

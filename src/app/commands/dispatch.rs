@@ -14,10 +14,10 @@ fn find(key: Key, physical_key: Option<Key>, modifiers: Modifiers) -> Option<(Co
     by_key(key).or_else(|| physical_key.and_then(by_key))
 }
 
-/// Takes the keys that are commands out of egui's input and returns what they ask for.
+/// Takes the keys that are commands out of egui's input and returns the commands.
 ///
-/// Nothing is taken from a text field but what no text needs (F keys, Ctrl combinations). A button or slider that
-/// was reached with Tab keeps the keys that move or press it. What a key does closes menus that are open.
+/// From a text field, only keys that no text needs are taken (F keys, Ctrl combinations). A button or slider that was
+/// reached with Tab keeps the keys that move or press it. A command by key closes open menus.
 pub(in crate::app) fn dispatch(ctx: &Context) -> Vec<Command> {
     let focus = if ctx.text_edit_focused() {
         Focus::TextField
@@ -71,7 +71,7 @@ enum Focus {
 }
 
 impl Focus {
-    /// True if what has the keyboard needs this key.
+    /// True if the focused widget needs this key.
     fn keeps(self, key: Key, modifiers: Modifiers) -> bool {
         let function_key = key.name().len() > 1 && key.name().starts_with('F');
         if modifiers.ctrl || modifiers.command || function_key {

@@ -113,7 +113,7 @@ pub(super) const ROWS: &[Row] = &[
     .applies(needs_sequence),
 ];
 
-/// Asks where to write the picture.
+/// Asks for the file of the image.
 fn picture_dialog(name: String) -> Dialog<State> {
     let save = |state: &mut State, file| {
         state.request(WindowRequest::Screenshot(Some(with_extension(file, "png"))));

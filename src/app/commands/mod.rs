@@ -1,8 +1,9 @@
-//! The table of commands: what keys, menus, the palette, tests and scripts call.
+//! The table of commands, called by keys, menus, the palette, tests and scripts.
 //!
-//! **How it works.** A command is a [`CommandRow`]: title, words, keys, when it applies and why not, and what it does.
-//! Those of a feature are in its folder; those of no feature are here. A panel that a menu opens is a command without a
-//! row. [`State::run`] does what a command says; what does not apply says so itself, or does nothing.
+//! **How it works.** A command is a [`CommandRow`]: title, words, keys, a condition with the reason if it does not
+//! apply, and its action. Commands of a feature are in its folder; the others are here. A panel that a menu opens is a
+//! command without a row. [`State::run`] executes a command; one that does not apply reports so itself, or does
+//! nothing.
 
 mod colors;
 pub(super) mod common;
@@ -42,13 +43,13 @@ pub(super) fn row_of(command: Command) -> Option<&'static CommandRow<State>> {
     commands().find(|row| row.command == command)
 }
 
-/// The keys of `command` as a person reads them, for menus and tooltips; empty without any.
+/// The keys of `command` as display text, for menus and tooltips; empty without any.
 pub(super) fn keys_of(command: Command) -> &'static str {
     row_of(command).map_or("", CommandRow::keys_text)
 }
 
 impl State {
-    /// Does what a key, a menu or a script asks for.
+    /// Executes a command of a key, a menu or a script.
     pub fn run(&mut self, command: Command) {
         match row_of(command).map(|row| &row.act) {
             Some(Act::Run(run)) => run(self),
@@ -61,10 +62,10 @@ impl State {
 }
 
 impl State {
-    /// Does what a command says with a value.
+    /// Executes a command with a value.
     ///
     /// # Errors
-    /// Why it does not apply, or what is wrong with the value: a sentence.
+    /// A sentence with the reason why it does not apply or the value is invalid.
     pub fn give(&mut self, command: Command, value: &str) -> Result<(), String> {
         let row = row_of(command).filter(|row| matches!(row.act, Act::Take(..)));
         let Some(CommandRow {
@@ -80,7 +81,7 @@ impl State {
         take(self, value)
     }
 
-    /// [`State::give`], which tells the person what is wrong.
+    /// [`State::give`], which reports errors to the user.
     pub(super) fn give_or_tell(&mut self, command: Command, value: &str) {
         if let Err(reason) = self.give(command, value) {
             self.notices.warn(reason);

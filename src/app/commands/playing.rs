@@ -106,7 +106,7 @@ pub(super) const ROWS: &[Row] = &[
 ];
 
 impl State {
-    /// Pauses and goes so many frames on, or back.
+    /// Pauses and steps by `count` frames, forward or back.
     pub fn step_frames(&mut self, count: i64) {
         self.play_with(|player, now| player.step(count, now));
     }

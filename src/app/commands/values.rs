@@ -232,7 +232,7 @@ fn speed_of(speed: f64) -> Offer {
     Offer::new(format!("Speed {speed} ×"), speed.to_string()).also(also)
 }
 
-/// Offers of what was opened recently: single files and folders.
+/// Offers of recently opened inputs: single files and folders.
 fn recent(state: &State, text: &str, also: &'static [&'static str]) -> Vec<Offer> {
     let single = state.stored.recent.entries().iter().filter(|inputs| inputs.len() == 1);
     let offer = |inputs: &Vec<PathBuf>| {
@@ -262,7 +262,7 @@ fn set(state: &mut State, text: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Draws as a preset of this name says.
+/// Draws with the preset of this name.
 fn preset(state: &mut State, name: &str) -> Result<(), String> {
     let is_name = |other: &str| other.eq_ignore_ascii_case(name);
     if let Some(preset) = state.stored.presets.list().iter().find(|preset| is_name(&preset.name)) {
@@ -272,7 +272,7 @@ fn preset(state: &mut State, name: &str) -> Result<(), String> {
     built_in_preset(state, name)
 }
 
-/// Draws as the built-in preset of this name says.
+/// Draws with the built-in preset of this name.
 fn built_in_preset(state: &mut State, name: &str) -> Result<(), String> {
     let built_in = built_in();
     let Some((.., style)) = built_in.iter().find(|(other, ..)| other.eq_ignore_ascii_case(name)) else {

@@ -1,4 +1,4 @@
-//! Commands of the camera and of what is in the picture.
+//! Commands of the camera and of the content of the image.
 
 use super::common::{Row, group};
 use crate::app::command::{Chord, Command, Menu};

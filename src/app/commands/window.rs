@@ -102,7 +102,7 @@ pub(super) const ROWS: &[Row] = &[
         .keys(group::FILE, "Ctrl+Q", &[Chord::ctrl(Key::Q)]),
 ];
 
-/// A title with what it is about, if that is known.
+/// A title with its subject, if known.
 fn titled(title: &'static str, name: Option<&str>) -> Cow<'static, str> {
     name.map_or(Cow::Borrowed(title), |name| Cow::Owned(format!("{title}: {name}")))
 }

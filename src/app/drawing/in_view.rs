@@ -1,9 +1,9 @@
-//! Surfels of what is in view, for a large static cloud whose own are not available: they are being estimated, or the
-//! machine has no memory for them.
+//! Surfels of the visible part, for a large static cloud whose own are not available: they are being estimated, or do
+//! not fit the machine's memory.
 //!
-//! **How it works.** When camera and frame have been the same for a short time, a thread takes the points that the
-//! image shows, no more than it has pixels ([`ViewOfFrame`]), and estimates the surface of these alone. Their image
-//! replaces that of all points until the view changes, or the surfels of all points are available.
+//! **How it works.** When camera and frame have been the same for a short time, a thread selects the visible points, at
+//! most one per pixel ([`ViewOfFrame`]), and estimates the surface of these alone. Their image replaces the one of all
+//! points until the view changes, or the surfels of all points are available.
 
 use super::levels::REST;
 use crate::analysis::MAX_JOINED;
@@ -14,7 +14,7 @@ use crate::sequence::PreparedFrame;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A frame whose surfels are wanted and not there.
+/// A frame whose surfels are needed and missing.
 #[derive(Debug)]
 struct WantedView {
     key: ViewOfFrame,
@@ -29,10 +29,10 @@ pub struct InView {
     part: Option<Arc<PreparedFrame>>,
 }
 
-/// The surfels in view of one picture.
+/// The surfels in view of one image.
 #[derive(Debug)]
 pub(in crate::app) struct SurfelsInView {
-    /// Minimum point count: surfels of frames of fewer points are ready before anybody misses them.
+    /// Minimum point count: surfels of frames of fewer points are ready before they are needed.
     min_points: usize,
     wanted: Option<WantedView>,
     asked_for: Option<ViewOfFrame>,
@@ -81,7 +81,7 @@ impl SurfelsInView {
         made.filter(|made| made.key == wanted.key)
     }
 
-    /// Has what is wanted made, once the view rests.
+    /// Starts the needed task, once the view rests.
     pub(in crate::app) fn prepare<T: TaskOutcome + From<Arc<InView>>>(&mut self, tasks: &Tasks<T>, now: Duration) {
         if self.next_deadline().is_none_or(|deadline| now < deadline) {
             return;
@@ -95,7 +95,7 @@ impl SurfelsInView {
         });
     }
 
-    /// Takes what was made.
+    /// Takes the result of a task.
     pub(in crate::app) fn take(&mut self, made: &Arc<InView>) {
         if self.asked_for.as_ref() == Some(&made.key) {
             self.asked_for = None;
@@ -103,8 +103,8 @@ impl SurfelsInView {
         }
     }
 
-    /// When the view rests and what it shows is to be made. One view is made at a time: who turns the camera waits for
-    /// no other.
+    /// Time at which the view rests and its surfels are due. One view is processed at a time, so that orbiting waits
+    /// for at most one.
     pub(in crate::app) fn next_deadline(&self) -> Option<Duration> {
         let is_due = self.asked_for.is_none() && self.made_as_wanted().is_none();
         let wanted = self.wanted.as_ref().filter(|_| is_due)?;
@@ -126,7 +126,7 @@ mod tests {
 
     const VIEWPORT_PX: [u32; 2] = [64, 48];
 
-    /// A square of points, without what surfels need.
+    /// A square of points, without the attributes of surfels.
     fn square() -> Arc<PreparedFrame> {
         let positions = (0..10_000_u16).map(|index| [index % 100, index / 100, 0].map(f32::from));
         let raw = RawCloud::from_positions(Positions::F32(positions.collect()));
@@ -168,7 +168,7 @@ mod tests {
         surfels.choose(frame, &view(camera), &Style::default(), ms(time_ms))
     }
 
-    /// Has made at `time_ms` what is due then; `None` if nothing is.
+    /// Makes the surfels due at `time_ms`; `None` if none are.
     fn make(surfels: &mut SurfelsInView, time_ms: u64) -> Option<Arc<InView>> {
         let (woken, wakes) = sync_channel(1);
         let mut tasks = Tasks::<Outcome>::new(Arc::new(move || woken.send(()).unwrap()));

@@ -1,9 +1,9 @@
 //! Levels of detail while the camera moves, for frames at rest that take long to draw.
 //!
-//! **How it works.** A picture of all points that took longer than a smooth motion allows is remembered with its frame,
-//! which then gets an octree on a thread if it has none. While the camera moves, as many cells are drawn as there is
-//! time for ([`in_cells`]); once it has rested, all points. Frames that play have fewer points instead
-//! (`sequence/effort`): an octree for each would take the time of the points that it saves.
+//! **How it works.** A frame whose image of all points took too long for smooth motion is recorded, and gets an octree
+//! on a thread if it has none. While the camera moves, the number of drawn cells fits the time ([`in_cells`]); once it
+//! has rested, all points are drawn. Frames that play have fewer points instead (`sequence/effort`): an octree for each
+//! would take the time of the points that it saves.
 
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::composition::{Coarse, can_draw, has_moving_levels, in_cells};
@@ -12,7 +12,7 @@ use crate::sequence::{Needs, PrepareCounters, PreparedFrame, complete};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A moving picture takes no longer, panels included: 30 a second, and some time to spare.
+/// Max time of a moving image, panels included: 30 fps, with some time to spare.
 const SMOOTH_MS: f32 = 28.0;
 
 /// A camera that has not moved for so long rests: longer than the pauses in a slow drag, short enough to be waited for.
@@ -21,7 +21,7 @@ pub(in crate::app) const REST: Duration = Duration::from_millis(50);
 /// Levels of detail that make the rendered images of one frame coarser while the camera moves.
 #[derive(Debug, Default)]
 pub(in crate::app) struct Levels {
-    /// The frame whose picture took so long, and how long.
+    /// The frame whose image took that long, and its time.
     whole_ms: Option<(u64, f64)>,
     /// The frame for which levels are being made.
     asked_for: Option<u64>,
@@ -29,7 +29,7 @@ pub(in crate::app) struct Levels {
     camera: Option<Camera>,
     /// When the camera moved last.
     moved_at: Option<Duration>,
-    /// The last picture was a coarse one.
+    /// The last image was a coarse one.
     are_drawn: bool,
 }
 
@@ -43,12 +43,12 @@ impl Levels {
         self.are_drawn
     }
 
-    /// Takes notice of how long the picture of all points of `frame` took.
+    /// Records the time of the image of all points of `frame`.
     pub(in crate::app) fn note_whole_picture(&mut self, frame: &PreparedFrame, draw_ms: f64) {
         self.whole_ms = Some((frame.id, draw_ms));
     }
 
-    /// Has levels made for `frame`, if its picture takes long and it has none.
+    /// Starts to build levels for `frame`, if its image takes long and it has none.
     pub(in crate::app) fn prepare<T: TaskOutcome + From<FrameWithLevels>>(
         &mut self,
         frame: &Arc<PreparedFrame>,
@@ -62,7 +62,7 @@ impl Levels {
             || self.asked_for == Some(frame.id)
             || !has_moving_levels(style)
             || style.draws_codes()
-            // What it still lacks is being prepared, or is not needed.
+            // Missing data are being prepared, or not needed.
             || !can_draw(frame, style)
         {
             return;
@@ -83,7 +83,7 @@ impl Levels {
         }
     }
 
-    /// When the camera will have rested and the whole picture is due.
+    /// Time at which the camera has rested and the full image is due.
     pub(in crate::app) fn next_deadline(&self) -> Option<Duration> {
         self.moved_at.filter(|_| self.are_drawn).map(|moved_at| moved_at + REST)
     }
@@ -139,7 +139,7 @@ mod tests {
     use glam::{DVec3, Vec3};
     use std::sync::mpsc::sync_channel;
 
-    /// A square of points with what surfels need, and no octree.
+    /// A square of points with the attributes of surfels, and no octree.
     fn square() -> Arc<PreparedFrame> {
         let positions = (0..400_u16).map(|index| [index % 20, index / 20, 0].map(f32::from));
         let raw = RawCloud::from_positions(Positions::F32(positions.collect()));
@@ -155,7 +155,7 @@ mod tests {
         Camera::framing(&Aabb::from_points(&[Vec3::ZERO, edge]), DVec3::ZERO, UpAxis::Z)
     }
 
-    /// Starts the making of levels, if they are wanted, and takes them.
+    /// Starts building levels, if they are needed, and takes them.
     fn make(levels: &mut Levels, frame: &Arc<PreparedFrame>, style: &Style) -> bool {
         let (woken, wakes) = sync_channel(1);
         let mut tasks = Tasks::<Outcome>::new(Arc::new(move || woken.send(()).unwrap()));
@@ -186,7 +186,7 @@ mod tests {
         assert!(coarse.frame.levels.octree().is_some() && coarse.frame.id == frame.id);
         assert_eq!(coarse.style, in_cells(&style, SMOOTH_MS));
         assert!(levels.are_drawn());
-        // The image of all points is due once the camera has come to rest, and no sooner.
+        // The image of all points is due once the camera has stopped, and no sooner.
         assert_eq!(levels.next_deadline(), Some(ms(100) + REST));
         let still_coarse = levels.choose(&frame, &camera(1), &style, ms(149)).unwrap();
         assert_eq!(still_coarse.style, in_cells(&style, SMOOTH_MS));

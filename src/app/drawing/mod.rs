@@ -1,4 +1,4 @@
-//! A picture of a pose in the window: the packet that it is drawn from, and what that was made of.
+//! An image of a frame in the window: the packet that it is drawn from, and its inputs.
 
 pub(super) mod in_view;
 pub(super) mod levels;
@@ -17,7 +17,7 @@ use std::time::Duration;
 /// Pick radius: maximum distance of a click from its target, points.
 const PICK_RADIUS: f32 = 6.0;
 
-/// A picture that follows frame, camera and settings.
+/// An image that follows frame, camera and settings.
 #[derive(Debug)]
 pub(in crate::app) struct Drawing {
     scene: Scene,
@@ -29,7 +29,7 @@ pub(in crate::app) struct Drawing {
     levels: Levels,
     /// Substitute for surfels that are not available.
     surfels_in_view: SurfelsInView,
-    /// The last redraw had a new picture, whose time has not been looked at.
+    /// The last redraw had a new image, whose time has not been evaluated.
     is_new: bool,
 }
 
@@ -58,8 +58,8 @@ impl Drawing {
         self.scene.screen_stats()
     }
 
-    /// Takes notice of how long the last picture took, if that was not said yet. The points of the frame in it then, if
-    /// the picture was of all of them.
+    /// Records the time of the last image, unless done already. Then returns the number of points of its frame, if the
+    /// image was of all of them.
     pub(in crate::app) fn note_draw_ms(&mut self, draw_ms: f64) -> Option<usize> {
         if !std::mem::take(&mut self.is_new) {
             return None;
@@ -74,8 +74,8 @@ impl Drawing {
         Some(drawn.frame.frame.len())
     }
 
-    /// Has made what the next pictures lack: levels of detail for a frame at rest that takes long to draw, so that the
-    /// camera moves smoothly; surfels of what is in view at `now`, where those of the frame are not there.
+    /// Starts to prepare the data that the next images lack: levels of detail for a frame at rest that takes long to
+    /// draw, so that the camera moves smoothly; surfels of the visible part at `now`, where the frame has none.
     pub(in crate::app) fn prepare<T>(&mut self, style: &Style, is_at_rest: bool, tasks: &Tasks<T>, now: Duration)
     where
         T: TaskOutcome + From<FrameWithLevels> + From<Arc<InView>>,
@@ -91,7 +91,7 @@ impl Drawing {
         self.surfels_in_view.take(made);
     }
 
-    /// Returns true if the last image shows surfels, including those of the view alone.
+    /// Returns true if the last image shows surfels, including surfels of the view alone.
     pub(in crate::app) fn has_surfels(&self) -> bool {
         self.packet
             .as_ref()
@@ -103,14 +103,13 @@ impl Drawing {
         self.levels.take(frame);
     }
 
-    /// When a picture that is coarse because the camera moved is to be drawn as a whole, or one of points to become
-    /// surfels.
+    /// Time at which a coarse image of a moving camera is to be refined, or one of points to become surfels.
     pub(in crate::app) fn next_deadline(&self) -> Option<Duration> {
         let levels = self.levels.next_deadline().into_iter();
         levels.chain(self.surfels_in_view.next_deadline()).min()
     }
 
-    /// The packet to draw at `now`, if it differs from the last one. Until the frame has what the primitive needs, it
+    /// The packet to draw at `now`, if it differs from the last one. Until the frame has the data of the primitive, it
     /// is shown as before.
     pub(in crate::app) fn next_packet(
         &mut self,
@@ -146,19 +145,19 @@ impl Drawing {
         self.packet.is_some()
     }
 
-    /// Forgets what was drawn: it is drawn again.
+    /// Forgets the drawn image, which is then drawn again.
     pub(in crate::app) fn forget_picture(&mut self) {
         self.packet = None;
     }
 
-    /// Forgets what can be picked.
+    /// Forgets the pickable points.
     pub(in crate::app) fn forget_frame(&mut self) {
         self.drawn = None;
         self.surfels_in_view = SurfelsInView::default();
     }
 
-    /// Occlusion test: returns for each of these positions, in the coordinates of the file, true if it is behind what
-    /// was drawn last, as `camera` saw it.
+    /// Occlusion test: returns for each of these positions, in the coordinates of the file, true if it is behind the
+    /// surfaces of the last image, as `camera` saw it.
     pub(in crate::app) fn hides(&self, camera: &Camera, places: &[DVec3]) -> Vec<bool> {
         let Some((packet, (_, origin))) = self.packet.as_ref().zip(self.drawn.as_ref()) else {
             return vec![false; places.len()];
@@ -171,7 +170,7 @@ impl Drawing {
         hidden(packet, &seen.collect::<Vec<_>>())
     }
 
-    /// The point under `place` of the picture over `rect`, and the pose that it is of, as they were drawn last.
+    /// The point under `place` of the image over `rect`, and its frame, as they were drawn last.
     pub(in crate::app) fn point_at(&self, place: Pos2, rect: Rect) -> Option<(Pick, Arc<PreparedFrame>)> {
         let (packet, (drawn, origin)) = self.packet.as_ref().zip(self.drawn.as_ref())?;
         if !rect.contains(place) || rect.area() == 0.0 {

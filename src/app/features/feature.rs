@@ -1,10 +1,10 @@
 //! Feature interface of the window.
 //!
 //! **How it works.** A feature is a folder: its model, which knows neither the window's state nor other features, its
-//! work on threads, its panel, and `in_window.rs`, where all of that meets the state `S` of the window. There its row
-//! [`FeatureOf`] the model is a [`Feature`]: what it does when the playhead moves, what is painted, which panels and
-//! commands it has. Only the table (`table.rs`) names features; it reaches `in_window.rs` through this trait, and the
-//! trait does not name `S`, so that no file imports in a circle.
+//! work on threads, its panel, and `in_window.rs`, which connects all of that to the state `S` of the window. There its
+//! row [`FeatureOf`] the model is a [`Feature`]: its reaction to a moved playhead, its painting, its panels and
+//! commands. Only the table (`table.rs`) names features; it reaches `in_window.rs` through this trait, and the trait
+//! does not name `S`, so that no file imports in a circle.
 
 use crate::app::command::CommandRow;
 use crate::app::panel_row::PanelRow;
@@ -16,25 +16,25 @@ use egui::Ui;
 use std::marker::PhantomData;
 use std::time::Duration;
 
-/// A feature of a window with the state `S`. What is not written does nothing.
+/// A feature of a window with the state `S`. Default methods do nothing.
 pub(in crate::app) trait Feature<S: 'static> {
     /// Moves on with the time, before the playhead does. True if something can be seen to change.
     fn update(&self, _state: &mut S) -> bool {
         false
     }
 
-    /// Begins what it makes of the frame that is shown. True if something can be seen to change.
+    /// Starts its work on the shown frame. True if there is a visible change.
     fn follow_frame(&self, _state: &mut S) -> bool {
         false
     }
 
-    /// Follows all else that has changed, once it is known what the shown frame is looked at as.
+    /// Follows all other changes, once the style of the shown frame is known.
     fn follow(&self, _state: &mut S) {}
 
-    /// Takes in at once what the panels have changed.
+    /// Applies changes by the panels at once.
     fn follow_panels(&self, _state: &mut S) {}
 
-    /// When [`Feature::update`] or [`Feature::follow_frame`] has something to do by itself.
+    /// Time at which [`Feature::update`] or [`Feature::follow_frame`] has something to do without input.
     fn next_deadline(&self, _state: &S) -> Option<Duration> {
         None
     }
@@ -49,7 +49,7 @@ pub(in crate::app) trait Feature<S: 'static> {
         false
     }
 
-    /// Takes what a task came to; gives back what is not of a type of its own.
+    /// Takes the result of a task; returns results of other types.
     fn take(&self, _state: &mut S, outcome: Outcome) -> Result<(), Outcome> {
         Err(outcome)
     }
@@ -57,21 +57,21 @@ pub(in crate::app) trait Feature<S: 'static> {
     /// Forgets frame `index`, which is read again.
     fn forget_frame(&self, _state: &mut S, _index: usize) {}
 
-    /// Forgets what belongs to the sequence that was open before.
+    /// Forgets the data of the sequence that was open before.
     fn forget_sequence(&self, _state: &mut S) {}
 
-    /// Brings up to date what the document has of it, where it works on more than that: once a pass.
+    /// Updates its part of the document, where its working data has more than that: once per pass.
     fn save(&self, _state: &S, _document: &mut Document) {}
 
-    /// Takes what was kept of it with the sequence that was opened.
+    /// Restores its stored data of the opened sequence.
     fn load(&self, _state: &mut S, _document: &Document) {}
 
-    /// Takes what undo or redo has put back in the document, which may be what it has already.
+    /// Takes its part of the document after undo or redo, which may be unchanged.
     fn put_back(&self, state: &mut S, document: &Document) {
         self.load(state, document);
     }
 
-    /// Closes what it has over all else: Escape. False if there is nothing.
+    /// Closes its topmost panel or tool: Escape. False if there is none.
     fn escape(&self, _state: &mut S) -> bool {
         false
     }
@@ -81,10 +81,10 @@ pub(in crate::app) trait Feature<S: 'static> {
         None
     }
 
-    /// Paints its marks over a picture; `is_first` of that of the open sequence.
+    /// Paints its marks over an image; `is_first` for the image of the open sequence.
     fn paint(&self, _state: &S, _canvas: &PictureOverlay<'_>, _is_first: bool) {}
 
-    /// Shows what can be taken hold of over the picture of the open sequence.
+    /// Shows its handles over the image of the open sequence.
     fn handles(&self, _ui: &Ui, _state: &mut S) {}
 
     /// Its panels.

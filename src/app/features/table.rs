@@ -21,7 +21,7 @@ use super::timeline::Timeline;
 use super::trails::Trails;
 use std::marker::PhantomData;
 
-/// Declares what features there are.
+/// Declares the features.
 macro_rules! features {
     ($($(#[$doc:meta])* $name:ident: $feature:ty,)*) => {
         /// The features of the window, in the order in which they are updated, laid out and painted.
@@ -47,7 +47,7 @@ features! {
     palette: Palette,
     /// Markers and curve of the open sequence.
     timeline: Timeline,
-    /// Second render mode for comparison, in addition to that of the settings.
+    /// Second render mode for comparison, in addition to the settings'.
     comparison: Option<Comparison>,
     /// Second sequence for comparison alongside the open one; never together with `comparison`.
     split_view: Option<SplitView>,
@@ -57,25 +57,25 @@ features! {
     temporal: Temporal,
     /// The camera path that is being made.
     path: PathEditor,
-    /// The ways of points through time.
+    /// Trajectories of points.
     trails: Trails,
     /// Inspection: points that were clicked on.
     inspection: Inspection,
     /// Texts at points.
     labels: Labels,
-    /// A text that is kept with the open sequence.
+    /// A text that is stored with the open sequence.
     notes: Notes,
-    /// View-dependent texturing: input images of what is shown.
+    /// View-dependent texturing: input images of the shown frame.
     photos: Photos,
     /// Assumptions about the open sequence.
     assumptions: Assumptions,
     /// Clipping state.
     clipping: Clipping,
-    /// Small pictures of the frames.
+    /// Thumbnails of the frames.
     thumbnails: Thumbnails,
     /// Export settings of the user.
     export: Export,
-    /// As what a person would save the sequence.
+    /// Settings for saving the sequence.
     save: Save,
     /// The benchmark window's content.
     benchmark: Benchmark,

@@ -1,8 +1,8 @@
 //! From layers to pixels, in bands of rows that threads share.
 //!
 //! **How it works.** A rectangle of a band is painted from the last layer that hides all of it, or from black. If there
-//! is very much to paint, bands are tasks; nothing is shared between them, and what a pixel becomes does not depend on
-//! how many there are.
+//! is much to paint, bands are parallel tasks; nothing is shared between them, and pixels do not depend on their
+//! number.
 
 use super::PixelRect;
 use super::blend::lay;
@@ -14,14 +14,14 @@ use super::triangle;
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
-/// Rows of a band: a few tasks for each thread, and layers are not gone through too often.
+/// Rows of a band: a few tasks for each thread, and layers are not traversed too often.
 const BAND_ROWS: usize = 64;
 
-/// Less than this is painted by one thread. Most of it is a picture, which is copied: 0.13 ms for a million pixels,
+/// Smaller areas are painted by one thread. Most of an area is an image, which is copied: 0.13 ms for a million pixels,
 /// while on a busy machine another thread may not begin for four.
 const WORTH_SHARING_PX: u64 = 4_000_000;
 
-/// A mesh that is to be painted, and with what.
+/// A mesh to be painted, with its texture.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Layer<'a> {
     mesh: &'a PixelMesh,
@@ -93,7 +93,7 @@ pub(super) fn paint(layers: &[Layer<'_>], region: &[PixelRect], width_px: u32, t
     }
 }
 
-/// Paints what of the rectangles is in some rows.
+/// Paints the part of the rectangles in some rows.
 fn paint_rows(layers: &[Layer<'_>], region: &[PixelRect], width_px: u32, first_row: u32, pixels: &mut [u32]) {
     let rows = (pixels.len() / width_px as usize) as u32;
     let band = PixelRect {

@@ -1,13 +1,13 @@
-//! Colours of 8 bits a channel, and laying one over another.
+//! Colours of 8 bits per channel, and blending.
 //!
-//! **How it works.** A colour is one word, `0xAARRGGBB`, premultiplied as egui's are. Two channels are worked out at a
-//! time in lanes of 16 bits. A fragment is rounded to 8 bits before it is blended, and what shows through it is divided
-//! by 255 as lavapipe divides it: what is laid over each other many times stays the same picture. Channels are added
-//! with saturation, because colours that only add light have more colour than alpha.
+//! **How it works.** A colour is one word, `0xAARRGGBB`, premultiplied as in egui. Two channels are computed at a time
+//! in lanes of 16 bits. A fragment is rounded to 8 bits before it is blended, and the colour below is divided by 255 as
+//! in lavapipe: so even many blended layers give the same image. Channels are added with saturation, because colours
+//! that only add light have more colour than alpha.
 
 use egui::Color32;
 
-/// Two channels of a word, each with room for a product.
+/// Two channels of a word, each with space for a product.
 const LANES: u32 = 0x00ff_00ff;
 
 /// Half of 256 in both lanes.
@@ -92,7 +92,7 @@ pub(super) fn lay(color: u32, pixels: &mut [u32]) {
     }
 }
 
-/// Channels of 0 to 255, rounded; what is beyond is cut off, and what is no number is 0.
+/// Channels of 0 to 255, rounded; values outside are clamped, and NaN is 0.
 #[inline(always)]
 pub(super) fn rounded(channels: [f32; 4]) -> u32 {
     /// Added to a number below 2²², it leaves the nearest integer in the lowest bits.

@@ -1,7 +1,7 @@
 //! Damage: the region to be repainted, as a few rectangles that share no pixel.
 //!
 //! **How it works.** Changed shapes hand in their bounds one after the other. A rectangle is merged with an existing
-//! one if the rectangle around both costs few more pixels than the two; else what is painted already is cut off it,
+//! one if the rectangle around both costs few more pixels than the two; else the part painted already is cut off it,
 //! which leaves up to four parts. Two long thin rectangles that cross therefore stay thin, and glyphs of a line become
 //! one. When there are too many, those that cost the least are merged.
 
@@ -13,7 +13,7 @@ const MAX_RECTS: usize = 8;
 /// Rectangles that are held before some are joined.
 const MAX_HELD: usize = 2 * MAX_RECTS;
 
-/// So many pixels are painted in the time in which the list of shapes is gone through once more.
+/// Number of pixels painted in the time of one more traversal of the shape list.
 const SPARE_PX: u64 = 4096;
 
 /// Rectangles that share no pixel.
@@ -23,7 +23,7 @@ pub(super) struct Damage {
 }
 
 impl Damage {
-    /// Adds what changed.
+    /// Adds a changed rectangle.
     pub(super) fn add(&mut self, rect: PixelRect) {
         if rect.is_empty() {
             return;
@@ -58,7 +58,7 @@ impl Damage {
         std::mem::take(&mut self.rects)
     }
 
-    /// Adds what of `rect` is in none of the rectangles from `first` on.
+    /// Adds the part of `rect` that is in none of the rectangles from `first` on.
     fn add_cut(&mut self, rect: PixelRect, first: usize) {
         for index in first..self.rects.len() {
             let hole = self.rects[index].intersection(&rect);

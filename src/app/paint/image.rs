@@ -1,9 +1,9 @@
-//! Images: parts of textures whose rows and columns are those of the window.
+//! Images: parts of textures whose rows and columns match the window's.
 //!
-//! **How it works.** Glyphs and the 3-D picture lie texel on pixel; then linear sampling and the nearest texel are the
-//! same, and rows are taken as they are. A picture's row is swizzled and copied, a glyph's texel is mostly coverage,
-//! the same in all channels, which takes two products for the colour and two for what shows through. What is scaled
-//! linearly is in `scaled`.
+//! **How it works.** Glyphs and the 3-D image lie texel on pixel; then linear sampling and the nearest texel are the
+//! same, and rows are taken as they are. An image's row is swizzled and copied, a glyph's texel is mostly coverage, the
+//! same in all channels, which takes two products for the colour and two for the background. Linear scaling is in
+//! `scaled`.
 
 use super::PixelRect;
 use super::blend::{OPAQUE, alpha, dimmed, over, times};
@@ -21,12 +21,12 @@ pub(super) struct Image<'a> {
     pub(super) source: SampledTexture<'a>,
     pub(super) place: TexturePlacement,
     pub(super) tint: u32,
-    /// All pixels it covers: what is painted must not depend on which of them are.
+    /// All pixels it covers: the result must not depend on which of them are painted.
     pub(super) area: PixelRect,
 }
 
 impl Image<'_> {
-    /// Paints what is in `area`, a part of the image's own that is on the canvas.
+    /// Paints the pixels of `area`, the part of the image's area that is on the canvas.
     #[inline(always)]
     pub(super) fn paint(&self, area: &PixelRect, canvas: &mut Canvas<'_>) {
         match [self.first_texel(0), self.first_texel(1)] {
@@ -96,7 +96,7 @@ impl Image<'_> {
     }
 }
 
-/// Copies a row of a picture.
+/// Copies a row of an image.
 #[inline(always)]
 fn copy(texels: &[[u8; 4]], pixels: &mut [u32]) {
     for (pixel, &texel) in pixels.iter_mut().zip(texels) {

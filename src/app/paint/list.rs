@@ -1,7 +1,7 @@
 //! Display list of the shapes shown, and its difference from the previous one.
 //!
 //! **How it works.** egui hands over all shapes of a window each time, in the order in which they are painted. They are
-//! compared with those of the last time: what is equal at both ends of the list is found first, then each new shape in
+//! compared with the previous ones: equal shapes at both ends of the list are found first, then each new shape in
 //! between is searched among the next few old ones. Shapes in both lists, in the same order, keep their meshes; a pixel
 //! that none of the others touches is made of the same shapes in the same order as before, so the bounds of the others
 //! are the damage.
@@ -15,10 +15,10 @@ use egui::epaint::{ClippedPrimitive, ClippedShape, PaintCallback, Primitive, Tex
 use egui::{Context, Rect, Shape};
 use std::sync::Arc;
 
-/// So many old shapes are compared with a new one before it counts as new: more than a widget is made of.
+/// Number of old shapes compared with a new one before it counts as new: more than a widget consists of.
 const LOOK_AHEAD: usize = 48;
 
-/// A shape and what it is in pixels.
+/// A shape and its pixels.
 #[derive(Debug)]
 pub(super) struct TessellatedShape {
     shape: ClippedShape,
@@ -29,7 +29,7 @@ pub(super) struct TessellatedShape {
 #[derive(Debug)]
 pub(super) struct TessellatedMesh {
     pub(super) mesh: PixelMesh,
-    /// That of its texture when it was last damage.
+    /// The version of its texture when it was last damage.
     texture_version: u64,
 }
 
@@ -52,7 +52,7 @@ pub(super) struct WindowScale {
     pub(super) pixels_per_point: f32,
 }
 
-/// Replaces `entries` by `shapes`, and calls `damage` with the bounds of what is only in one of them.
+/// Replaces `entries` by `shapes`, and calls `damage` with the bounds of shapes in only one of them.
 pub(super) fn replace(
     entries: &mut Vec<TessellatedShape>,
     shapes: Vec<ClippedShape>,

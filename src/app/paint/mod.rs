@@ -2,17 +2,17 @@
 //!
 //! **How it works.** [`SoftwarePainter`] keeps the list of shapes that egui wants to be seen (`list`), each with its
 //! mesh cut into fills, images and triangles (`pieces`). A new list is compared with the last one; only shapes that are
-//! new are tessellated, and the bounds of what came and went are the damage (`damage`). Any part of the window can be
-//! painted at any time from the list: a buffer that is two frames old is brought up to date by painting the damage of
-//! both. Parts are painted from the last shape that hides all of what is below it, as a 3-D image does, so nothing is
-//! painted to be painted over.
+//! new are tessellated, and the bounds of added and removed shapes are the damage (`damage`). Any part of the window
+//! can be painted at any time from the list: a buffer that is two frames old is brought up to date by painting the
+//! damage of both. Parts are painted from the last shape that hides everything below it, as a 3-D image does, so
+//! nothing is overdrawn in vain.
 //!
 //! **Why not a graphics library's software driver.** It paints the whole window for each change, and runs every pixel
-//! through what it must be able to do. Most pixels of a window are one colour, a copy, or a glyph's coverage.
+//! through its general pipeline. Most pixels of a window are one colour, a copy, or a glyph's coverage.
 //!
 //! **Why our own.** `egui_software_backend` 0.0.3 and `dream-soft-render` 1.0.0 want egui 0.34. The first caches meshes
-//! and tiles, but lays its whole canvas over the window each time, reports nothing of what changed and shows no
-//! textures of ours; the second paints all of it.
+//! and tiles, but lays its whole canvas over the window each time, reports no damage and cannot show our textures; the
+//! second paints all of it.
 //!
 //! **The same image.** Corners are rounded to 256ths of a pixel, edges belong to shapes by the top-left rule, colours
 //! are blended in 8 bits, textures are sampled as in `egui.wgsl`: `tests/pictures/painters` compares it with
@@ -40,7 +40,7 @@ use ::image::RgbaImage;
 use egui::epaint::{ClippedShape, TessellationOptions};
 use egui::{Context, TextureFilter, TextureId, TexturesDelta};
 
-/// Paints egui's shapes, and pictures among them, into the pixels of a window.
+/// Paints egui's shapes, including images, into the pixels of a window.
 #[derive(Debug, Default)]
 pub struct SoftwarePainter {
     textures: Textures,
@@ -53,7 +53,7 @@ pub struct SoftwarePainter {
 #[derive(Debug, Default, PartialEq)]
 struct TessellatedFor {
     screen: WindowScale,
-    /// Texture coordinates of glyphs are those of one atlas.
+    /// Version of the glyph atlas that texture coordinates refer to.
     atlas: u64,
     tessellation: Option<TessellationOptions>,
 }
@@ -66,13 +66,13 @@ impl SoftwarePainter {
 
     /// Takes in egui's changes of textures, each of which egui sends once; `changes` is empty afterwards.
     ///
-    /// What is freed stays until the next call: it is still shown.
+    /// Freed textures stay until the next call: they are still shown.
     pub fn update_textures(&mut self, changes: &mut TexturesDelta) {
         self.textures.update(changes);
     }
 
-    /// Says that the picture that shapes call `id` has other pixels, another size or another filter: if `version` or
-    /// `filter` differ from the last time. The pixels are handed over with [`Self::paint`].
+    /// Reports that the image `id` has other pixels, another size or another filter: if `version` or `filter` differ
+    /// from the last time. The pixels are handed over with [`Self::paint`].
     pub fn set_picture(&mut self, id: TextureId, version: u64, filter: TextureFilter) {
         self.textures.set_picture(id, version, filter);
     }
@@ -82,7 +82,7 @@ impl SoftwarePainter {
         self.textures.remove_picture(id);
     }
 
-    /// Takes in what egui wants to be seen now, in a window of `size_px`.
+    /// Takes in egui's current shapes, in a window of `size_px`.
     ///
     /// # Panics
     ///
@@ -125,7 +125,7 @@ impl SoftwarePainter {
     /// is.
     ///
     /// `pictures` are those registered with [`Self::set_picture`]; they are taken to be opaque. Shapes without a
-    /// texture are skipped, and where there is nothing the window is black. Rectangles of `region` may share pixels.
+    /// texture are skipped, and the window is black elsewhere. Rectangles of `region` may share pixels.
     pub fn paint(&self, pictures: &[(TextureId, &RgbaImage)], region: &[PixelRect], target: &mut [u32]) {
         let size_px = self.shown.screen.size_px;
         let window = PixelRect::of_size(size_px);

@@ -1,8 +1,8 @@
-//! From egui's meshes to what is painted: fills, images and triangles, in pixels.
+//! From egui's meshes to painted pieces: fills, images and triangles, in pixels.
 //!
-//! **How it works.** egui tells triangles only, but most of what a window shows are two triangles that make a rectangle
-//! whose edges are rows and columns: backgrounds, glyphs, pictures. They are found here, once for each new shape, and
-//! are painted by rows without a look at edges. What remains are rounded corners, soft edges, curves and turned text.
+//! **How it works.** egui gives triangles only, but most of a window consists of pairs of triangles that form
+//! rectangles aligned with rows and columns: backgrounds, glyphs, images. They are found here, once for each new shape,
+//! and are painted by rows without edge tests. The rest are rounded corners, soft edges, curves and rotated text.
 //!
 //! A pixel is covered if its centre is, with corners rounded to 256ths of a pixel; a centre on an edge belongs to the
 //! shape whose left or upper edge it is (the top-left rule), so shapes that meet neither overlap nor leave a gap.
@@ -23,13 +23,13 @@ const FARTHEST_PX: f32 = 1_048_576.0;
 pub(super) enum Piece {
     /// Pixels of one colour.
     Fill { area: PixelRect, color: u32 },
-    /// A part of the texture, its rows and columns those of the window.
+    /// A part of the texture, its rows and columns matching the window's.
     Image {
         area: PixelRect,
         place: TexturePlacement,
         tint: u32,
     },
-    /// Anything else; corners are those of the mesh.
+    /// Anything else; corners are the mesh's.
     Triangle {
         area: PixelRect,
         corners: [u32; 3],
@@ -72,7 +72,7 @@ pub(super) struct PixelMesh {
     pub(super) clip: PixelRect,
     /// Around all pixels that any piece may change.
     pub(super) bounds: PixelRect,
-    /// Pixels that show nothing of what is below.
+    /// Pixels that hide everything below.
     pub(super) hidden_by_fill: PixelRect,
     /// Rectangle hidden by the image if the texture is opaque.
     pub(super) hidden_by_image: PixelRect,

@@ -1,9 +1,9 @@
-//! Images that are enlarged or reduced linearly: a 3-D picture drawn at a lower resolution, thumbnails.
+//! Images that are enlarged or reduced linearly: a 3-D image drawn at a lower resolution, thumbnails.
 //!
-//! **How it works.** A row of texels is first mixed along the row, for all columns of the window, and kept until
-//! another one is asked for: an enlarged picture has fewer rows than the window, so this is done less often than there
-//! are pixels. Then two such rows are mixed, without a look at where texels are, which takes whole registers. Channels
-//! are numbers of 16 bits, 64 steps to a unit: both roundings together are a 64th of one.
+//! **How it works.** A row of texels is first mixed along the row, for all columns of the window, and cached until
+//! another one is needed: an enlarged image has fewer rows than the window, so this is done less often than there are
+//! pixels. Then two such rows are mixed, without texel lookups, in whole registers. Channels are numbers of 16 bits, 64
+//! steps to a unit: both roundings together are a 64th of one.
 
 use super::PixelRect;
 use super::blend::{OPAQUE, over, times};
@@ -28,7 +28,7 @@ struct Between {
 /// The columns of the window in texels.
 struct Columns {
     between: Vec<Between>,
-    /// That of each column, for each of its channels.
+    /// Weight of the second texel of each column, for each of its channels.
     shares: Vec<i16>,
     /// Texels left and right of each column.
     first: Vec<u32>,
@@ -123,7 +123,7 @@ impl Columns {
 }
 
 impl TexelRow {
-    /// Makes it that of another row of texels.
+    /// Computes it for another row of texels.
     #[inline(always)]
     fn load(&mut self, index: usize, source: &SampledTexture<'_>, columns: &mut Columns) {
         if self.index == index {

@@ -1,14 +1,14 @@
-//! egui's textures and the 3-D pictures: what they hold, which version of it, and how it is sampled.
+//! egui's textures and the 3-D images: their texels, version, and sampling.
 //!
-//! **How it works.** A texture is kept as words of the target's order. Whatever changes in it gives it a new version,
-//! and a shape that was painted with another version is damage. The font atlas is the exception: glyphs are added where
-//! it was transparent, which no shape shows yet, so only texels that were seen make a new version.
+//! **How it works.** A texture is stored as words of the target's order. Every change gives it a new version, and a
+//! shape that was painted with another version is damage. The font atlas is the exception: glyphs are added where it
+//! was transparent, which no shape shows yet, so only texels that were seen make a new version.
 //!
-//! A texture that egui frees is still needed to paint what is shown now, so it goes with the next changes. Pictures are
-//! not kept at all, but handed over whenever something is painted.
+//! A texture that egui frees is still needed to paint the current shapes, so it is dropped with the next changes.
+//! Images are not stored at all, but handed over for each painting.
 //!
-//! Sampling is that of `egui.wgsl`: texel centres at halves, linear between four of them, coordinates wrapped as the
-//! texture asks. As there, the filter for enlarging is that for reducing too.
+//! Sampling is as in `egui.wgsl`: texel centres at halves, linear between four of them, coordinates wrapped as the
+//! texture asks. As there, one filter is used for enlarging and reducing.
 
 use super::blend::{OPAQUE, channels, packed};
 use egui::epaint::{ImageData, ImageDelta};
@@ -47,7 +47,7 @@ pub(super) struct Textures {
 }
 
 impl Textures {
-    /// Takes in what egui changed; `changes` is empty afterwards.
+    /// Takes in egui's changes; `changes` is empty afterwards.
     pub(super) fn update(&mut self, changes: &mut TexturesDelta) {
         for id in std::mem::take(&mut self.freed) {
             self.held.remove(&id);
@@ -105,7 +105,7 @@ impl Textures {
         }
     }
 
-    /// Says what version of a picture is to be shown, and whether it is scaled linearly.
+    /// Sets the version of an image to be shown, and its filter.
     pub(super) fn set_picture(&mut self, id: TextureId, version: u64, filter: TextureFilter) {
         let held = self.pictures.get(&id);
         if held.is_some_and(|held| held.owners_version == version && held.filter == filter) {
@@ -120,7 +120,7 @@ impl Textures {
         self.pictures.insert(id, picture);
     }
 
-    /// Forgets a picture.
+    /// Forgets an image.
     pub(super) fn remove_picture(&mut self, id: TextureId) {
         self.pictures.remove(&id);
     }
@@ -181,11 +181,11 @@ pub(super) struct SampledTexture<'a> {
 pub(super) struct BetweenTexels {
     pub(super) first: usize,
     pub(super) second: usize,
-    /// That of the second.
+    /// Weight of the second.
     pub(super) share: f32,
 }
 
-/// A picture's pixel as the target wants it.
+/// An image's pixel in the target's format.
 #[inline(always)]
 pub(super) fn swizzled(pixel: [u8; 4]) -> u32 {
     let word = u32::from_le_bytes(pixel);

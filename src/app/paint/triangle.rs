@@ -16,7 +16,7 @@ use super::textures::SampledTexture;
 use egui::Pos2;
 use egui::epaint::Vertex;
 
-/// Paints what of a triangle is in `area`, which is on the canvas.
+/// Paints the part of a triangle in `area`, which is on the canvas.
 #[inline(always)]
 pub(super) fn paint(
     corners: &[Vertex; 3],
@@ -79,7 +79,7 @@ struct Edge {
     per_row: i64,
 }
 
-/// The edges as seen from a pixel; `None` if there is nothing between them.
+/// The edges relative to a pixel; `None` if their interior is empty.
 #[inline(always)]
 fn edges(corners: &[Vertex; 3], first: [u32; 2]) -> Option<[Edge; 3]> {
     let place = |vertex: &Vertex| [fixed(vertex.pos.x), fixed(vertex.pos.y)];

@@ -23,11 +23,11 @@ pub(super) const NAMED: &[NamedRow] = &[NamedRow {
     ],
 }];
 
-/// Whole numbers are dragged on by one in so many points of the screen.
+/// Dragging distance that changes whole numbers by one, points of the screen.
 const POINTS_PER_ONE: f64 = 20.0;
 
-/// Shows the depth filter section of the settings. Returns the filters to be applied from now on: once nobody drags or
-/// types any more, as all frames are then decoded again.
+/// Shows the depth filter section of the settings. Returns the filters to be applied from now on: once dragging or
+/// typing has ended, as all frames are then decoded again.
 pub(super) fn depth_filters_ui(ui: &mut Ui, applied: Filters) -> Option<Filters> {
     let id = Id::unique("depth filters");
     let before = ui.data(|data| data.get_temp::<(Filters, Filters)>(id));
@@ -54,7 +54,7 @@ pub(super) fn depth_filters_ui(ui: &mut Ui, applied: Filters) -> Option<Filters>
     (edited != applied && edited.keep_any() && !is_being_set).then_some(edited)
 }
 
-/// A number of a filter, if that is applied; says whether somebody is about to set it.
+/// A number of a filter, if that is applied; returns true while the user edits it.
 fn parameter_row(ui: &mut Ui, parameter: &FilterParameter, edited: &mut Filters) -> bool {
     let Some(mut value) = parameter.get(edited) else {
         return false;

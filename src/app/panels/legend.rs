@@ -14,7 +14,7 @@ const RAMP: Vec2 = vec2(15.0, 190.0);
 const AROUND: f32 = 144.0;
 const MIN_HEIGHT: f32 = 40.0;
 
-/// The legend of what is drawn, if it is to be shown.
+/// The legend of the colours, if it is to be shown.
 pub(super) fn legend_ui(painter: &Painter, rect: Rect, state: &State) {
     // The change map has its own legend in the same place; colours from images have no legend.
     let is_elsewhere = state.features.temporal.change.is_on || state.drawn_style().draws_photos();

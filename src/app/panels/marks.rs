@@ -6,11 +6,11 @@ use crate::app::widgets::overlay::PictureOverlay;
 use crate::playback::Player;
 use egui::{Rect, Ui};
 
-/// Paints the marks of all features, where they are in the picture that is drawn next, or in both.
+/// Paints the marks of all features, at their positions in the next image, or in both images.
 pub(super) fn marks_ui(ui: &Ui, state: &mut State) {
     let is_playing = state.player.as_ref().is_some_and(Player::is_playing);
     if state.follow_labels() && !is_playing {
-        // What is occluded is only known after the next draw. During playback this runs again soon anyway.
+        // Occlusion is only known after the next draw. During playback this runs again soon anyway.
         ui.ctx().request_repaint();
     }
     let state = &*state;

@@ -119,7 +119,7 @@ fn file_menu(ui: &mut Ui, state: &mut State) {
     item(ui, state, Command::QUIT);
 }
 
-/// Shows the compare menu: what to open alongside the open sequence.
+/// Shows the compare menu: sequences to open alongside the open one.
 fn compare_menu(ui: &mut Ui, state: &mut State) {
     items(ui, state, &[Command::COMPARE_FILES, Command::COMPARE_FOLDER]);
     ui.separator();

@@ -58,7 +58,7 @@ pub fn window_ui(ui: &mut Ui, state: &mut State) {
     state.follow_panels();
 }
 
-/// A bar above or below the picture.
+/// A bar above or below the image.
 fn bar_ui(ui: &mut Ui, state: &mut State, row: &PanelRow<State>) {
     let (bar, margin) = match row.place {
         Dock::Top(name, is_shown) if is_shown(state) => (Panel::top(name), Margin::symmetric(8, 4)),
@@ -91,7 +91,7 @@ fn side_ui(ui: &mut Ui, state: &mut State, row: &PanelRow<State>) {
         .show(ui, |ui| (row.show)(ui, state));
 }
 
-/// The panel of a row in a window of its own, which can be closed to see the picture.
+/// The panel of a row in its own window, which can be closed to see the image.
 fn floating_ui(ui: &mut Ui, state: &mut State, row: &PanelRow<State>, id: PanelId) {
     let space = space(ui.ctx());
     let mut is_open = true;
@@ -110,7 +110,7 @@ fn floating_ui(ui: &mut Ui, state: &mut State, row: &PanelRow<State>, id: PanelI
     }
 }
 
-/// Has the panels run again where another theme was chosen.
+/// Reruns the panels if another theme was chosen.
 fn follow_theme(ctx: &Context, theme: ThemePreference) {
     if ctx.options(|options| options.theme_preference) != theme {
         ctx.set_theme(theme);

@@ -1,4 +1,4 @@
-//! Messages over the picture, at its lower left, and bars of long work below them.
+//! Messages over the image, at its lower left, and bars of long work below them.
 
 use crate::app::theme::GOOD;
 use crate::app::work::panel::work_ui;
@@ -42,7 +42,7 @@ pub(super) fn notices_ui(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// Returns long-running work that has no open window of its own.
+/// Returns long-running work without its own open window.
 fn shown_works(state: &State) -> Vec<&Work> {
     // Its window has the same bar.
     let measuring = state.features.benchmark.work();

@@ -1,4 +1,4 @@
-//! Two pictures: side by side or on both sides of a line, with their names; or where they differ.
+//! Two images: side by side or on both sides of a line, with their names; or their difference.
 
 use crate::app::widgets::picture::picture;
 use crate::app::{Side, State};
@@ -10,16 +10,16 @@ use egui::{
 use image::RgbaImage;
 use std::sync::Arc;
 
-/// Behind where there is no picture.
+/// Background where there is no image.
 const NOTHING: Color32 = Color32::from_gray(16);
 
-/// Half the width of what takes hold of the line, points.
+/// Half the width of the line's grab area, points.
 const GRAB: f32 = 6.0;
 
 /// Half the size of the cross where the pointer is in the other half, points.
 const CROSS: f32 = 7.0;
 
-/// Says where the pictures are within `rect`, whose corners are on physical pixels.
+/// Lays out the images within `rect`, whose corners are on physical pixels.
 pub(super) fn lay_out(state: &mut State, rect: Rect, scale: f32) {
     let places = match &state.features.split_view {
         Some(split_view) => split_view.places(rect, line(rect, split_view.pictures.split, scale)),
@@ -39,7 +39,7 @@ fn line(rect: Rect, split: f32, scale: f32) -> f32 {
     ((rect.left() + split * rect.width()) * scale).round() / scale
 }
 
-/// Both pictures of a comparison, or where they differ.
+/// Both images of a comparison, or their difference.
 pub(super) fn pair_ui(ui: &mut Ui, rect: Rect, state: &mut State) {
     let viewport = state.viewport;
     let is_b_edited = state
@@ -112,7 +112,7 @@ fn is_side_by_side(state: &State) -> bool {
     matches!(&state.features.split_view, Some(split_view) if split_view.is_side_by_side())
 }
 
-/// Marks in the other half what the pointer is over: both are seen by one camera, with its axis at the centre of each.
+/// Marks the pointer's position in the other half: both have the same camera, with its axis at the centre of each.
 fn same_place(ui: &Ui, pointer: Pos2, places: [Rect; 2]) {
     let here = usize::from(!places[0].contains(pointer));
     let [here, there] = [places[here], places[1 - here]];
@@ -164,7 +164,7 @@ fn names(state: &State) -> Option<[String; 2]> {
     Some([a, named("B", &split_view.name, frame)])
 }
 
-/// A name in a corner of its part of the picture.
+/// A name in a corner of its part of the image.
 fn name_ui(ui: &mut Ui, part: Rect, align: Align2, name: &str) {
     let inner = part.shrink(8.0);
     if inner.width() < 24.0 {

@@ -6,7 +6,7 @@ use crate::app::command::Command;
 use crate::app::presets::built_in;
 use egui::{Align2, Button, Key, TextEdit, Ui, Window};
 
-/// Those that are built in, those of this person, and what can be done with the present settings.
+/// Built-in presets, the user's presets, and actions on the present settings.
 pub(super) fn presets_menu(ui: &mut Ui, state: &mut State) {
     ui.set_min_width(180.0);
     for (name, what, style) in built_in() {

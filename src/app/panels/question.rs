@@ -1,13 +1,13 @@
-//! The question before a session opens what is not in its folder.
+//! The question before a session opens anything outside of its folder.
 
 use crate::app::State;
 use crate::printable;
 use egui::{Align2, Ui, Window};
 
-/// Names that a question has room for.
+/// Max names in a question.
 const MAX_NAMED: usize = 10;
 
-/// Asks before a session connects, or reads what is not in its folder.
+/// Asks before a session connects, or reads files outside of its folder.
 pub(super) fn session_question_ui(ui: &mut Ui, state: &mut State) {
     let Some(question) = &state.opening.session_question else {
         return;

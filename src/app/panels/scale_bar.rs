@@ -1,10 +1,10 @@
-//! The scale bar over the picture.
+//! The scale bar over the image.
 
 use crate::app::State;
 use crate::scene::ScaleBar;
 use egui::{Align2, Color32, FontId, Painter, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 
-/// From the lower left corner of the picture, points.
+/// Distance from the lower left corner of the image, points.
 const MARGIN: f32 = 16.0;
 
 /// Height of its text above the line, points.
@@ -13,7 +13,7 @@ const HEIGHT: f32 = 22.0;
 /// Half the height of its ends.
 const END: f32 = 4.0;
 
-/// Paints it at the lower left of the picture in `rect`.
+/// Paints it at the lower left of the image in `rect`.
 pub(super) fn scale_bar_ui(ui: &mut Ui, rect: Rect, state: &State) {
     let shown = state.player.as_ref().and_then(|player| player.shown());
     let Some(frame) = shown.filter(|_| state.appearance.shows_scale_bar) else {

@@ -1,4 +1,4 @@
-//! Every choice about the picture, with its term and unit in a tooltip. Only what the chosen primitive uses is listed.
+//! All settings of the image, with term and unit in a tooltip. Only settings of the chosen primitive are listed.
 
 use super::colors::{self, colors_ui};
 use super::depth_filters::{self, depth_filters_ui};
@@ -69,11 +69,12 @@ enum SettingsRequest {
     ChooseUp(UpAxis),
     /// Other filters of depth images.
     FilterDepth(Filters),
-    /// All settings of the picture as they are at first.
+    /// Reset all settings of the image.
     Reset,
 }
 
-/// The panel at the right: what who plays scans has a use for, and the rest in a section that opens as it was left.
+/// The panel at the right: settings that are useful for playing scans, and the rest in a section that retains its
+/// state.
 pub(super) fn settings_ui(ui: &mut Ui, state: &mut State) {
     // Open choices are replaced by the automatic settings.
     let drawn = state.drawn_style();

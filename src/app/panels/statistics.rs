@@ -103,7 +103,7 @@ fn milliseconds(value: f64) -> String {
     format!("{value:.2} ms")
 }
 
-/// The parts of a redraw, with what each is.
+/// The parts of a redraw, each with an explanation.
 fn parts(redraw: &Redraw) -> [(&'static str, Duration, &'static str); 5] {
     [
         ("  panels", redraw.panels, "Moving on, and running the panels"),
@@ -122,7 +122,7 @@ fn parts(redraw: &Redraw) -> [(&'static str, Duration, &'static str); 5] {
     ]
 }
 
-/// The last run of the panels with its parts, which add up, and what playback holds.
+/// The last run of the panels with its parts, which add up, and the state of playback.
 fn redraw(ui: &mut Ui, state: &State) {
     let graphics = &state.graphics;
     section(ui, "Last redraw", |ui| {
@@ -149,7 +149,7 @@ fn redraw(ui: &mut Ui, state: &State) {
     });
 }
 
-/// Shows the timing of the last image, which need not be of the last redraw; only what was measured.
+/// Shows the timing of the last image, which need not be of the last redraw; measured values only.
 fn picture_times(ui: &mut Ui, state: &State) {
     let render = &state.graphics.render;
     if render.frames == 0 {
@@ -340,7 +340,7 @@ fn screen_rows(ui: &mut Ui, screen: &ScreenStats) {
     }
 }
 
-/// The tree, and what was last drawn of it.
+/// The tree, and its last drawn part.
 fn octree_ui(ui: &mut Ui, octree: &Octree, build_ms: f32, scene: &SceneStats) {
     section(ui, "Octree", |ui| {
         row(

@@ -5,8 +5,8 @@ use crate::scene::describe::{Described, Kind, Numbers, Section, Unit, Value, Val
 use crate::scene::{Background, Environment, Settings, Style};
 use egui::{Checkbox, Slider, Ui};
 
-/// A section of the panel with its heading, if one of its settings has an effect on what is `drawn`: the style without
-/// what is left open.
+/// A section of the panel with its heading, if one of its settings has an effect on the style `drawn`, in which
+/// automatic settings are resolved.
 pub(super) fn section_ui(ui: &mut Ui, style: &mut Settings, drawn: &Style, title: &str, section: Section) {
     let is_in_it = |described: &Described| described.section == section && (described.when)(drawn);
     if (style.settings().iter()).any(|(described, _)| is_in_it(described)) {
@@ -15,7 +15,7 @@ pub(super) fn section_ui(ui: &mut Ui, style: &mut Settings, drawn: &Style, title
     }
 }
 
-/// Those settings of a section that have an effect on what is `drawn`.
+/// The settings of a section that have an effect on the style `drawn`.
 pub(super) fn section_rows(ui: &mut Ui, style: &mut Settings, drawn: &Style, section: Section) {
     style.edit(&mut |described, value| {
         if described.section == section && (described.when)(drawn) {
@@ -36,7 +36,7 @@ pub(super) fn word<T: Copy + PartialEq>(ui: &mut Ui, title: &str, hint: &str, va
     choice(ui, title, hint, value, &choices);
 }
 
-/// The row of a setting; what it is now.
+/// The row of a setting; returns its new value.
 fn setting(ui: &mut Ui, described: &Described, value: Value) -> Value {
     match (&described.values, value) {
         (Values::Words(words), Value::Word(mut place)) => {

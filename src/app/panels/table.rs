@@ -1,5 +1,5 @@
-//! The table of panels: those of no feature, and those of the features' own tables. So they are in the window, in the
-//! menu View and among the commands that are found by name.
+//! The table of panels: general ones, and those of the features' own tables. They appear in the window, in the menu
+//! View and in the command palette.
 
 use super::about::about_ui;
 use super::help::help_ui;
@@ -40,7 +40,7 @@ const WINDOWS: &[PanelRow<State>] = &[
     PanelRow::by_itself(session_question_ui),
 ];
 
-/// All but menu and picture, in the order in which they are laid out.
+/// All but menu and image, in the order in which they are laid out.
 pub(in crate::app) fn panels() -> impl Iterator<Item = &'static PanelRow<State>> {
     let of_features = Features::rows::<State>().into_iter();
     let of_features = of_features.flat_map(Feature::panels);

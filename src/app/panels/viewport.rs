@@ -1,4 +1,4 @@
-//! The 3-D picture and the mouse on it. The panels are other widgets, so that nothing done to them moves the camera.
+//! The 3-D image and the mouse on it. The panels are other widgets, so that nothing done to them moves the camera.
 
 use super::legend::legend_ui;
 use super::marks::marks_ui;
@@ -18,7 +18,7 @@ use egui::{
 use glam::Vec3;
 use std::time::Duration;
 
-/// Degrees of orbit for a drag over the height of the picture.
+/// Degrees of orbit for a drag over the height of the image.
 const ORBIT_DEG_PER_HEIGHT: f64 = 270.0;
 
 /// Degrees of looking around for the same drag.
@@ -33,7 +33,7 @@ const PROGRESS_EVERY: Duration = Duration::from_millis(250);
 /// Length of the axes in the corner.
 const AXIS_LENGTH: f32 = 24.0;
 
-/// The picture over all of `ui`, and the camera by mouse.
+/// The image over all of `ui`, and the camera by mouse.
 pub(super) fn viewport_ui(ui: &mut Ui, state: &mut State) {
     let scale = ui.ctx().pixels_per_point();
     let rect = on_pixels(ui.available_rect_before_wrap(), scale);
@@ -52,7 +52,7 @@ pub(super) fn viewport_ui(ui: &mut Ui, state: &mut State) {
     overlays(ui, rect, state);
 }
 
-/// `rect` with corners on physical pixels: the picture is then copied pixel by pixel.
+/// `rect` with corners on physical pixels: the image is then copied pixel by pixel.
 fn on_pixels(rect: Rect, scale: f32) -> Rect {
     let snap = |edge: f32| (edge * scale).round() / scale;
     Rect::from_min_max(
@@ -94,7 +94,7 @@ fn move_camera(ui: &Ui, response: &Response, state: &mut State) {
     }
 }
 
-/// Toward what the pointer is over, in the half of it where there are two pictures.
+/// Zooms toward the position of the pointer, in its half where there are two images.
 fn zoom(camera: &mut Camera, factor: f64, pointer: Option<Pos2>, halves: [Rect; 2]) {
     let under = pointer.and_then(|pointer| Some((pointer, halves.into_iter().find(|half| half.contains(pointer))?)));
     let Some((pointer, half)) = under else {
@@ -186,7 +186,7 @@ fn overlays(ui: &mut Ui, rect: Rect, state: &mut State) {
     match &state.player {
         None => welcome_ui(ui, rect, state),
         Some(player) => {
-            // In a split view, that of A.
+            // In a split view, A's rectangle.
             let place = state.viewport.rect;
             if let Some(failure) = player.failure() {
                 let text = format!("Frame {} cannot be shown", failure.index() + 1);

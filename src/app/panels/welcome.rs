@@ -1,5 +1,5 @@
-//! Welcome screen instead of the image while nothing is open: what could not be opened and why, recently opened inputs,
-//! the demo, examples, and the keys to know.
+//! Welcome screen instead of the image while nothing is open: failures to open with their reasons, recently opened
+//! inputs, the demo, examples, and the keys to know.
 
 use crate::app::command::Command;
 use crate::app::commands::keys_of;
@@ -160,8 +160,8 @@ fn examples_ui(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// A picture with a name below; true if it was clicked. The names are for who listens, for who looks, and at the
-/// pointer.
+/// A thumbnail with a name below; true if it was clicked. The names are for screen readers, for display, and for the
+/// tooltip.
 fn card_ui(ui: &mut Ui, [name, short, hint]: [&str; 3], picture: Option<TextureHandle>) -> bool {
     let height = PICTURE[1] + 22.0;
     let (card, response) = ui.allocate_exact_size(vec2(PICTURE[0], height), Sense::click());
@@ -185,7 +185,7 @@ fn card_ui(ui: &mut Ui, [name, short, hint]: [&str; 3], picture: Option<TextureH
     response.on_hover_text(hint).clicked()
 }
 
-/// The texture of what is named so, read when it is first shown; `None` where there is none.
+/// The texture of this name, read when it is first shown; `None` where there is none.
 fn texture(
     ui: &Ui,
     name: impl std::hash::Hash + std::fmt::Debug,

@@ -1,12 +1,11 @@
-//! Preferences of the user, kept between runs in a small JSON file.
+//! Preferences of the user, stored in a small JSON file.
 //!
-//! **How it works.** [`Preferences`] are the part of the window's state that outlives it. The file holds them by the
-//! words of the command line, and outlives versions of this program: what it does not have, or has in a form that
-//! cannot be read, is as by default; of a number that is not offered the nearest is taken; what is not known is kept as
-//! it is. Where something could not be read, a copy is made before the file is rewritten (`stored/lenient.rs`). It is
-//! written a short time after something was changed, so that a program that is killed has lost nothing, and never by a
-//! run in which nothing was changed. Several windows share the file: each writes what was changed in it alone
-//! (`stored/update.rs`).
+//! **How it works.** [`Preferences`] are the part of the window's state that outlives it. The file holds them in the
+//! words of the command line, and outlives versions of this program: missing or unreadable values get their defaults; a
+//! number that is not offered is replaced by the nearest; unknown fields are retained. Where something could not be
+//! read, a copy is made before the file is rewritten (`stored/lenient.rs`). It is written a short time after something
+//! was changed, so that a killed program has lost nothing, and never by a run without changes. Several windows share
+//! the file: each writes only its own changes (`stored/update.rs`).
 
 use super::open_panels::RememberedPanels;
 use super::present_choice::PresentChoice;
@@ -91,8 +90,8 @@ enum Theme {
 }
 
 impl Preferences {
-    /// Within what the window offers: the command line lets more through, people write files by hand, and a window can
-    /// be squeezed to nothing.
+    /// Clamps to the values that the window offers: the command line lets more through, people write files by hand, and
+    /// a window can be squeezed to nothing.
     fn offered(self) -> Self {
         Self {
             settings: self.settings.nearest(),
@@ -139,7 +138,7 @@ pub struct PreferencesFile {
 }
 
 impl PreferencesFile {
-    /// This person's file, and what is in it.
+    /// The user's file, and its contents.
     pub fn load() -> (Self, Preferences) {
         persist::place_of("settings.json").map_or_else(Default::default, |file| Self::load_from(&file))
     }
@@ -156,7 +155,7 @@ impl PreferencesFile {
         (this, preferences)
     }
 
-    /// Returns the notice text on what could not be read, and where the copy is.
+    /// Returns the notice text on unreadable values, and the path of the copy.
     pub fn problem(&self) -> Option<&str> {
         self.problem.as_deref()
     }
@@ -178,7 +177,7 @@ impl PreferencesFile {
         self.changed.map(|(_, since)| since + WRITE_DELAY)
     }
 
-    /// Writes what was changed long enough before `now`.
+    /// Writes changes made long enough before `now`.
     pub(super) fn write_if_due(&mut self, now: Duration) {
         if self.next_deadline().is_some_and(|due| due <= now) {
             self.write();

@@ -1,4 +1,4 @@
-//! The file of preferences: what is kept, and what becomes of what cannot be read.
+//! The file of preferences: retained values, and the handling of unreadable ones.
 
 use super::*;
 use crate::analysis::ColorMap;
@@ -122,7 +122,7 @@ fn unusual() -> Preferences {
 /// is by default.
 const OF_VERSION_6: &str = include_str!("versions/6.json");
 
-/// What [`OF_VERSION_6`] says.
+/// Preferences of [`OF_VERSION_6`].
 fn of_version_6() -> Preferences {
     let unusual = unusual();
     Preferences {
@@ -163,7 +163,7 @@ fn of_version_6() -> Preferences {
     }
 }
 
-/// What is read of a text, and whether all of it could be.
+/// Preferences read from a text, and true if all of it could be read.
 fn of_text(text: &str) -> (Preferences, bool) {
     let mut unread = Vec::new();
     let stored: Fields = serde_json::from_str(text).unwrap();
@@ -171,7 +171,7 @@ fn of_text(text: &str) -> (Preferences, bool) {
     (preferences, unread.is_empty())
 }
 
-/// What is read again of what is written.
+/// Preferences after writing and reading.
 fn again(preferences: Preferences) -> (Preferences, bool) {
     of_text(&Value::Object(preferences.to_fields()).to_string())
 }
@@ -180,7 +180,7 @@ fn at(seconds: u64) -> Duration {
     Duration::from_secs(seconds)
 }
 
-/// Begins with `first`, is told of `then` and written.
+/// Starts from `first`, changes to `then` and writes the file.
 fn write(file: &Path, first: Preferences, then: Preferences) {
     let (mut stored, _) = PreferencesFile::load_from(file);
     stored.note(first, at(0));
@@ -204,8 +204,8 @@ fn all_choices_round_trip() {
     }
 }
 
-/// What the files in `versions` say: one of each version, as its first program wrote it when nothing was by default,
-/// and one of the last program whose settings had no groups. Each lacks what later ones have.
+/// Preferences of the files in `versions`: one of each version, as its first program wrote it with no value at its
+/// default, and one of the last program whose settings had no groups. Each lacks the fields of later ones.
 fn of_versions() -> [(&'static str, Preferences); 7] {
     let usual = Preferences::default();
     let last = Preferences {
@@ -414,7 +414,7 @@ fn two_windows_do_not_undo_each_others_changes() {
     second.note(in_second, at(1));
     first.write();
     second.write();
-    // A window writes only what it has changed itself.
+    // A window writes only its own changes.
     in_first.speed = 0.5;
     first.note(in_first, at(5));
     first.write();

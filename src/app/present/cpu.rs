@@ -1,11 +1,10 @@
-//! The presenter of the processor: pictures of the software renderer and egui's panels, painted into memory that the
-//! window system shows.
+//! CPU presenter: images of the software renderer and egui's panels, painted into memory that the window system shows.
 //!
 //! **How it works.** The painter (`app/paint`) knows which rectangles of the window have changed (*damage*); only they
 //! are painted, and only they are presented. They are painted straight into the buffer that the window system shows.
-//! Where it lends two buffers by turns (Wayland), the one at hand lacks what was damaged in the picture between, so
-//! that is painted too: a buffer's *age* says which case it is. The pixels of a picture are copied once, from the
-//! renderer's image to that buffer. No driver is needed: it is opened only when a person chooses the GPU to draw.
+//! Where it alternates two buffers (Wayland), the current one lacks the damage of the image between, which is painted
+//! too: a buffer's *age* distinguishes the cases. The pixels of an image are copied once, from the renderer's image to
+//! that buffer. No driver is needed: it is opened only when a user chooses the GPU to draw.
 
 use super::presenter::{Painted, Panels, Presenter, PresenterInfo};
 use crate::app::meter::GpuWork;
@@ -23,16 +22,16 @@ use std::sync::Arc;
 use std::time::Instant;
 use winit::window::Window;
 
-/// Largest edge of the window and of the pictures in it: coordinates of X11 have 16 bits with a sign.
+/// Max edge of the window and of the images in it: coordinates of X11 are signed 16-bit numbers.
 const MAX_EDGE_PX: u32 = 16_384;
 
-/// The processor's side of the window.
+/// The CPU presenter of the window.
 pub(super) struct CpuPresenter {
     window: Arc<Window>,
     surface: Surface<Arc<Window>, Arc<Window>>,
     painter: SoftwarePainter,
     picture: CpuPicture,
-    /// That of the other side of a comparison, once there was one.
+    /// The image of the other side of a comparison, once there was one.
     other_picture: Option<CpuPicture>,
     /// Opened when the GPU is chosen to draw.
     context: Option<Arc<Context>>,
@@ -40,7 +39,7 @@ pub(super) struct CpuPresenter {
     last_damage: Vec<PixelRect>,
 }
 
-/// A 3-D picture and who draws it.
+/// A 3-D image and its renderer.
 struct CpuPicture {
     texture: TextureId,
     software: CpuRenderer,
@@ -115,7 +114,7 @@ impl CpuPresenter {
         })
     }
 
-    /// Paints what is damaged and presents it, all of the window if that `is_exposed`.
+    /// Paints the damage and presents it, all of the window if that `is_exposed`.
     fn present(&mut self, is_exposed: bool) -> Result<Painted, RenderError> {
         let size_px = window_size_px(&self.window);
         let [Some(width), Some(height)] = size_px.map(NonZeroU32::new) else {
@@ -269,7 +268,7 @@ impl Presenter for CpuPresenter {
     }
 }
 
-/// Width and height of what is shown; 0 while the window is minimised.
+/// Width and height of the visible area; 0 while the window is minimised.
 fn window_size_px(window: &Window) -> [u32; 2] {
     let size: [u32; 2] = window.inner_size().into();
     size.map(|edge| edge.min(MAX_EDGE_PX))

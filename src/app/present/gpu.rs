@@ -4,7 +4,7 @@
 //! shows as an image without filtering or conversion: both hold display-referred values, and so does the surface, for
 //! which a format without sRGB conversion is chosen. The image is drawn only when there is a new packet; panels are
 //! painted over it as often as they ask, and the previous ones, which are on the GPU already, where only the image is
-//! new. What the CPU draws is copied to such a texture. Images and panels are one submission.
+//! new. Images of the CPU are copied to such a texture. Images and panels are one submission.
 
 use super::gpu_picture::{DrawnBy, GpuPicture};
 use super::presenter::{Painted, Panels, Presenter, PresenterInfo};
@@ -35,7 +35,7 @@ pub(super) struct GpuPresenter {
     /// GPU work since the window was painted.
     work: GpuWork,
     picture: GpuPicture,
-    /// That of the other side of a comparison, once there was one.
+    /// The image of the other side of a comparison, once there was one.
     other_picture: Option<GpuPicture>,
 }
 

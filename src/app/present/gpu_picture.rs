@@ -10,7 +10,7 @@ use egui::TextureId;
 use image::RgbaImage;
 use std::sync::Arc;
 
-/// A 3-D picture: who draws it, and the texture that egui shows.
+/// A 3-D image: its renderer, and the texture that egui shows.
 pub(super) struct GpuPicture {
     pub(super) renderer: GpuRenderer,
     software: SoftwarePicture,
@@ -18,7 +18,7 @@ pub(super) struct GpuPicture {
     /// Command buffer that draws the image, to be submitted with the window that shows it.
     pub(super) commands: Option<wgpu::CommandBuffer>,
     pub(super) texture: TextureId,
-    /// Renderer and version of the texture that `texture` stands for, and its filter.
+    /// Renderer and version of the texture that `texture` shows, and its filter.
     shown: Option<(DrawnBy, u64, wgpu::FilterMode)>,
 }
 
@@ -121,7 +121,7 @@ impl GpuPicture {
     }
 }
 
-/// Shown until there is a picture.
+/// Shown until there is an image.
 fn empty_picture(device: &wgpu::Device) -> wgpu::TextureView {
     picture_texture(device, wgpu::Extent3d::default()).create_view(&wgpu::TextureViewDescriptor::default())
 }

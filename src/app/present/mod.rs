@@ -1,9 +1,9 @@
 //! Presentation of the window on the screen: the 3-D images, and egui's panels around them.
 //!
-//! **How it works.** There are two presenters behind one trait. That of the GPU (`gpu.rs`) paints through egui-wgpu on
-//! a surface of the driver. That of the CPU (`cpu.rs`) paints into memory which the window system shows as it is. A
-//! software driver would do the latter's work too, but compiles shaders, bins triangles and copies textures for it: on
-//! two cores that is fifteen windows per second, whatever is in them. So the CPU presents wherever no GPU does.
+//! **How it works.** There are two presenters behind one trait. The GPU presenter (`gpu.rs`) paints through egui-wgpu
+//! on a surface of the driver. The CPU presenter (`cpu.rs`) paints into memory which the window system shows as it is.
+//! A software driver would do the latter's work too, but compiles shaders, bins triangles and copies textures for it:
+//! on two cores that is fifteen windows per second, whatever their content. So the CPU presents wherever no GPU does.
 //!
 //! An image is drawn when there is a new packet, panels are painted when egui has run, and either may come without the
 //! other.

@@ -18,7 +18,7 @@ pub(in crate::app) struct PresenterInfo {
     pub(in crate::app) is_software: bool,
     /// True if the CPU paints the window.
     pub(in crate::app) paints_on_processor: bool,
-    /// Largest edge of a picture.
+    /// Max edge of an image.
     pub(in crate::app) max_edge_px: u32,
     /// True if showing a window waits for the screen. Where it does not, the event loop has to.
     pub(in crate::app) waits_for_screen: bool,
@@ -58,16 +58,16 @@ pub(in crate::app) trait Presenter {
     /// Returns the egui texture of a side's rendered image; `None` until that side has been rendered.
     fn texture(&self, side: Side) -> Option<TextureId>;
 
-    /// Draws the picture of a side.
+    /// Draws the image of a side.
     fn draw(&mut self, side: Side, packet: &ScenePacket) -> Result<(), RenderError>;
 
-    /// Reads the picture of a side back, in the size in which it is shown, if there is one.
+    /// Reads the image of a side back, in its shown size, if there is one.
     fn read(&mut self, side: Side, shown_px: [u32; 2]) -> Result<Option<RgbaImage>, RenderError>;
 
     /// Returns true if the GPU drew the last image of side A.
     fn was_drawn_by_gpu(&self) -> bool;
 
-    /// Counters of the renderer that drew the last picture of side A.
+    /// Counters of the renderer that drew the last image of side A.
     fn stats(&self) -> RenderStats;
 
     /// Sets the GPU residency budget for points and voxels, in bytes.
@@ -76,8 +76,8 @@ pub(in crate::app) trait Presenter {
     /// Follows the window's size.
     fn resize(&mut self);
 
-    /// Repaints and presents what has changed: the rendered images, and the panels if there are new ones. The whole
-    /// window is presented again if the window system has lost its contents.
+    /// Repaints and presents changes: the rendered images, and the panels if there are new ones. The whole window is
+    /// presented again if the window system has lost its contents.
     fn paint(&mut self, panels: Option<Panels<'_>>, is_exposed: bool) -> Result<Painted, RenderError>;
 
     /// Ends the device as a crashed driver would, where there is one.

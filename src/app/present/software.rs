@@ -1,4 +1,4 @@
-//! The picture of the software renderer as a texture.
+//! The image of the software renderer as a texture.
 
 use crate::render::RenderError;
 use crate::render::Renderer;
@@ -51,14 +51,14 @@ impl SoftwarePicture {
         Ok(4 * u64::from(width) * u64::from(height))
     }
 
-    /// The picture; `None` before the first one.
+    /// The image; `None` before the first one.
     pub(super) fn view(&self) -> Option<wgpu::TextureView> {
         let texture = self.texture.as_ref()?;
         Some(texture.create_view(&wgpu::TextureViewDescriptor::default()))
     }
 }
 
-/// A texture that egui can show and the processor can write.
+/// A texture that egui can show and the CPU can write.
 pub(super) fn picture_texture(device: &wgpu::Device, size: wgpu::Extent3d) -> wgpu::Texture {
     device.create_texture(&wgpu::TextureDescriptor {
         label: Some("picture"),

@@ -15,7 +15,7 @@ use winit::window::Window;
 /// One frame may wait while the next is drawn: smooth, and not late.
 const FRAMES_IN_FLIGHT: u32 = 2;
 
-/// Times that an image is asked for: as it is, and after a repair.
+/// Number of image requests: as it is, and after a repair.
 const MAX_ATTEMPTS: usize = 2;
 
 /// Result of acquiring a surface image.
@@ -150,7 +150,7 @@ impl SurfaceImages for WindowSurface {
     }
 
     fn recreate(&mut self, size_px: [u32; 2]) -> Result<(), RenderError> {
-        // A lost device also loses its surfaces; the device is then what has to be reported.
+        // A lost device also loses its surfaces; the device loss is then reported.
         self.context.check_alive()?;
         self.surface = create_surface(&self.context.instance, &self.window)?;
         self.reconfigure(size_px);
@@ -158,7 +158,7 @@ impl SurfaceImages for WindowSurface {
     }
 }
 
-/// The window's size within what the adapter can show; zero stays zero.
+/// The window's size, limited to the adapter's maximum; zero stays zero.
 fn within(size_px: [u32; 2], max_edge_px: u32) -> [u32; 2] {
     size_px.map(|edge| edge.min(max_edge_px))
 }
@@ -204,7 +204,7 @@ fn surface_config(
 mod tests {
     use super::*;
 
-    /// Gives the answers of a script and writes down what is asked of it.
+    /// Gives the answers of a script and records the requests.
     struct Scripted {
         window_size_px: [u32; 2],
         answers: Vec<Answer<&'static str>>,

@@ -1,9 +1,9 @@
-//! Settings under a name, kept between runs in a small JSON file.
+//! Named settings, stored in a small JSON file.
 //!
-//! **How it works.** Each preset is read by itself, and each of its values: one that is not there or not known is as by
-//! default, of a number that is not offered the nearest is taken. So presets outlive versions of this program; a file
-//! of which something could not be read is copied before it is written (`stored/lenient.rs`). Several windows share it:
-//! one that saves or deletes a preset changes that one alone, in the file as it is then (`stored/update.rs`).
+//! **How it works.** Presets, and their values, are parsed one by one: a missing or unknown one gets its default, a
+//! number that is not offered is replaced by the nearest. So presets outlive versions of this program; a file with
+//! unreadable parts is copied before it is written (`stored/lenient.rs`). Several windows share it: one that saves or
+//! deletes a preset changes that one alone, in the file as it is then (`stored/update.rs`).
 
 use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
@@ -31,7 +31,7 @@ pub struct Preset {
     pub settings: Settings,
 }
 
-/// The presets of this person, by name.
+/// The presets of this user, by name.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Presets {
     list: Vec<Preset>,
@@ -103,7 +103,7 @@ impl Presets {
         }
     }
 
-    /// Returns the load problem, if any: what could not be read and where the copy is, as text for a notice.
+    /// Returns the load problem, if any: the unreadable parts and the path of the copy, as text for a notice.
     pub fn problem(&self) -> Option<&str> {
         self.problem.as_deref()
     }
@@ -164,7 +164,7 @@ impl Presets {
     }
 }
 
-/// `text` as it is kept; may be empty.
+/// `text` as a stored name; may be empty.
 fn as_name(text: &str) -> String {
     text.trim().chars().take(MAX_NAME_CHARS).collect()
 }

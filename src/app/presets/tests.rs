@@ -1,4 +1,4 @@
-//! The file of presets: what is kept, and what becomes of what cannot be read.
+//! The file of presets: retained values, and the handling of unreadable ones.
 
 use super::*;
 use crate::levels::{Lod, LodMetric};
@@ -110,7 +110,7 @@ fn of_version_1() -> Settings {
     }
 }
 
-/// What is read of `text` in a file of its own, which is beside its copies in the folder.
+/// Presets read from `text` in its own file, next to its copies in the folder.
 fn read_of(text: &str) -> (tempfile::TempDir, Presets) {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("presets.json");

@@ -12,14 +12,14 @@ use crate::scene::{PointSizing, PointStyle, Primitive, Settings, Style, SurfelSe
 use std::time::Duration;
 
 impl State {
-    /// Moves the camera until all points are in view, including those of the compared sequence, keeping its direction.
+    /// Moves the camera until all points are in view, including the compared sequence, keeping its direction.
     pub fn frame_all(&mut self) {
         if let Some(camera) = self.all_framed(&self.second_bounds()) {
             self.glide_to(camera);
         }
     }
 
-    /// Ends what lies over all else: a question, a window, then what a tool has begun, the tool, the full screen. Menus
+    /// Closes the topmost of: a question, a window, the unfinished work of a tool, the tool, the full screen. Menus
     /// close by themselves.
     pub(in crate::app) fn escape(&mut self) {
         // The key has already been taken from the text fields, so they do not see it. Only one thing is closed at a
@@ -40,7 +40,7 @@ impl State {
         }
     }
 
-    /// Looks whether something that undo takes back, or that is kept, has changed. Call after the panels.
+    /// Checks for changes of undoable or stored data. Call after the panels.
     pub(in crate::app) fn note_changes(&mut self, ctx: &egui::Context) {
         let (is_held, seconds) = ctx.input(|input| (input.pointer.any_down(), input.time));
         let now = Duration::try_from_secs_f64(seconds).unwrap_or_default();
@@ -48,7 +48,7 @@ impl State {
         self.look_at_document();
     }
 
-    /// Looks the same way between two steps, which are undone one by one: lines of a script, and before undo.
+    /// Check between two steps that are undone separately, as above: lines of a script, and before undo.
     pub(in crate::app) fn note_step(&mut self) {
         self.note_in_history(History::note_step);
     }
@@ -76,7 +76,7 @@ impl State {
         self.take_undone(after);
     }
 
-    /// Asks the window for what only it can do.
+    /// Requests an action that only the window can do.
     pub(in crate::app) fn request(&mut self, request: WindowRequest) {
         self.shared.requests.push(request);
     }
@@ -86,7 +86,7 @@ impl State {
         self.drawn_style().with(|style| style.drawing.resolution = 1.0)
     }
 
-    /// Draws as `way` from now on.
+    /// Draws with the mode `way` from now on.
     pub fn draw_as(&mut self, way: &Settings) {
         self.style = self.style.drawn_as(way);
     }
@@ -108,7 +108,7 @@ impl State {
         });
     }
 
-    /// Takes the keys out of egui's input and does what they ask for. Call before the panels.
+    /// Takes the keys out of egui's input and runs their commands. Call before the panels.
     pub fn handle_keys(&mut self, ctx: &egui::Context) {
         let typing = ctx.text_edit_focused();
         let (events, modifiers, now_secs) = ctx.input(|input| (input.raw.events.clone(), input.modifiers, input.time));

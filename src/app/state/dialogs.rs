@@ -6,7 +6,7 @@ use std::fmt;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// A dialog that gives no answer sooner than a person can press a key was never seen.
+/// A dialog that is closed without an answer faster than this was never visible.
 const SEEN_DIALOG: Duration = Duration::from_millis(400);
 
 /// Selection kind of a dialog.
@@ -21,8 +21,8 @@ enum Picks {
 /// Callback that receives the chosen paths.
 type Answer<S> = Box<dyn FnOnce(&mut S, Vec<PathBuf>) + Send>;
 
-/// A dialog of a window with the state `S`: what it asks for, and what becomes of the answer. Who needs one makes it;
-/// nothing else lists them.
+/// A dialog of a window with the state `S`: its question, and the handling of the answer. Dialogs are created where
+/// needed and listed nowhere else.
 pub(in crate::app) struct Dialog<S> {
     title: &'static str,
     picks: Picks,
@@ -40,7 +40,7 @@ impl<S> fmt::Debug for Dialog<S> {
 }
 
 impl<S> Dialog<S> {
-    /// Asks for one file or more that are there.
+    /// Asks for one or more existing files.
     pub(in crate::app) fn files(
         title: &'static str,
         answer: impl FnOnce(&mut S, Vec<PathBuf>) + Send + 'static,
@@ -68,12 +68,12 @@ impl<S> Dialog<S> {
         }
     }
 
-    /// Asks for a file that is there.
+    /// Asks for an existing file.
     pub(in crate::app) fn file(title: &'static str, answer: impl FnOnce(&mut S, PathBuf) + Send + 'static) -> Self {
         Self::one(Picks::File, title, answer)
     }
 
-    /// Asks for a folder that is there.
+    /// Asks for an existing folder.
     pub(in crate::app) fn folder(title: &'static str, answer: impl FnOnce(&mut S, PathBuf) + Send + 'static) -> Self {
         Self::one(Picks::Folder, title, answer)
     }
@@ -131,7 +131,7 @@ impl<S> Dialog<S> {
         (self.answer)(state, paths);
     }
 
-    /// Asks the person; `None` without an answer.
+    /// Asks the user; `None` without an answer.
     fn show(&self) -> Option<Vec<PathBuf>> {
         let mut dialog = rfd::FileDialog::new().set_title(self.title);
         if let Some(file_name) = &self.file_name {
@@ -170,7 +170,7 @@ pub(in crate::app) struct Dialogs {
 }
 
 impl Dialogs {
-    /// Asks the person. Nothing happens while another dialog is open.
+    /// Asks the user. Does nothing while another dialog is open.
     pub(in crate::app) fn ask<S: 'static, T: TaskOutcome + From<DialogAnswer<S>>>(
         &mut self,
         dialog: Dialog<S>,

@@ -1,5 +1,5 @@
-//! The document of the window, brought up to date from what works on its parts, and given back to them. What no feature
-//! works on is here: inputs, reading, settings, view, frame and range.
+//! The document of the window, updated from the owners of its parts, and given back to them. Parts of no feature are
+//! here: inputs, reading, settings, view, frame and range.
 
 use super::State;
 use super::opened::Opened;
@@ -19,7 +19,7 @@ impl State {
         document
     }
 
-    /// Brings the document up to date. What is the same as before is not copied.
+    /// Updates the document. Unchanged parts are not copied.
     pub(super) fn gather_document(&mut self) {
         let mut document = std::mem::take(&mut self.document);
         self.gather_into(&mut document);
@@ -36,7 +36,7 @@ impl State {
         }
     }
 
-    /// The view is `None` while nobody has moved the camera.
+    /// The view is `None` until the user has moved the camera.
     fn gather_of_player(&self, player: &Player, document: &mut Document) {
         let named = &self.opening.opened.inputs;
         if named.is_empty() {
@@ -58,7 +58,7 @@ impl State {
         document.range = player.clock().range();
     }
 
-    /// Gives each part of `document` to what works on it. Its inputs are open already.
+    /// Gives each part of `document` to its owner. Its inputs are open already.
     pub fn apply_document(&mut self, document: Document) {
         self.style = document.style();
         let view = self.shared.options.view.take().or(document.view);
@@ -88,7 +88,7 @@ impl State {
         self.open_companion();
     }
 
-    /// Takes what undo or redo has put back.
+    /// Applies the document after undo or redo.
     pub(in crate::app) fn take_undone(&mut self, undone: Option<Document>) {
         let Some(undone) = undone else { return };
         self.gather_document();
@@ -102,7 +102,7 @@ impl State {
         self.keep_document();
     }
 
-    /// The document of a sequence of which nothing is kept.
+    /// The document of a sequence without a stored one.
     pub(super) fn new_document(&self) -> Document {
         Document::new(self.new_style())
     }
@@ -116,7 +116,7 @@ impl State {
     }
 }
 
-/// Inputs of a sequence; `None` of what is no file.
+/// Inputs of a sequence; `None` if it does not come from files.
 pub(in crate::app) fn inputs_of(sequence: &Sequence) -> Option<Vec<PathBuf>> {
     let inputs = sequence.source().inputs();
     if !inputs.is_empty() {

@@ -14,5 +14,5 @@ pub struct FailedOpening {
     pub choices: Vec<OpeningChoice>,
 }
 
-/// The inputs of what was opened and has not been shown yet, of A and of B.
+/// The inputs that were opened and have not been shown yet, of A and of B.
 pub(in crate::app) type Unproven = [Vec<PathBuf>; 2];

@@ -7,7 +7,7 @@ use crate::sequence::Sequence;
 use std::path::{Path, PathBuf};
 
 impl State {
-    /// Asks the person. Nothing happens while another dialog is open.
+    /// Asks the user. Does nothing while another dialog is open.
     pub(in crate::app) fn ask(&mut self, dialog: Dialog<Self>) {
         self.shared.dialogs.ask(dialog, &self.shared.tasks);
     }
@@ -46,7 +46,7 @@ impl State {
         files.find(|file| !file.exists()).unwrap_or_default()
     }
 
-    /// Writes `image` to `path`, or to a new file in the folder of pictures.
+    /// Writes `image` to `path`, or to a new file in the Pictures folder.
     pub fn save_picture(&mut self, image: image::RgbaImage, path: Option<PathBuf>) {
         let place = match path {
             Some(path) => PicturePlace::File(path),

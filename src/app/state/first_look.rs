@@ -1,9 +1,9 @@
 //! Initial view and style derived for the open sequence where nothing is chosen, and the user's choices that replace
 //! them.
 //!
-//! **How it works.** The first frame that is shown determines what is looked at and the initial viewpoint
-//! ([`FirstLook::of_first`]). For a sequence of many frames, a thread meanwhile looks at some others; when it is done,
-//! and nobody has moved the camera, the view is that of all of them. An up axis that a user chooses is in the document.
+//! **How it works.** The first shown frame determines the target and the initial viewpoint ([`FirstLook::of_first`]).
+//! For a sequence of many frames, a thread meanwhile examines some others; when it is done, and the user has not moved
+//! the camera, the view fits all of them. An up axis that a user chooses is in the document.
 
 use super::State;
 use crate::app::first_look::{FirstView, RefinedLook};
@@ -24,7 +24,7 @@ impl State {
         self.opening.looked.is_complete
     }
 
-    /// Returns the effective style: the settings, with guessed values and the renderer filled in for what is left open.
+    /// Returns the effective style: the settings, with automatic values and the renderer resolved.
     pub fn drawn_style(&self) -> Style {
         self.resolved(&self.style)
     }
@@ -86,7 +86,7 @@ impl State {
         });
     }
 
-    /// Takes what a thread made of several frames of the open sequence.
+    /// Takes a thread's result from several frames of the open sequence.
     pub(in crate::app) fn take_more(&mut self, more: RefinedLook) {
         let is_open = self.player.as_ref().is_some_and(|player| {
             let opened = more.sequence.upgrade();
@@ -105,7 +105,7 @@ impl State {
         self.tell_lack();
     }
 
-    /// Says so if the open sequence has not what is to be drawn of it.
+    /// Reports it if the open sequence lacks data for the style.
     fn tell_lack(&mut self) {
         let lack = self
             .first_look()
@@ -152,7 +152,7 @@ impl State {
         });
     }
 
-    /// Fits the first view into a picture that has another size by now. A view that somebody has chosen stays.
+    /// Fits the initial view to an image whose size has changed. A view chosen by the user stays.
     pub(in crate::app) fn fit_first_view(&mut self) {
         if let Some(view) = self.opening.looked.untouched(&self.camera)
             && view.size_px != self.viewport.size_px
@@ -182,8 +182,8 @@ impl State {
         }
     }
 
-    /// Moves back until all points are seen, outliers and what is far away as well, and what is within `second_bounds`,
-    /// relative to the origin of the open sequence.
+    /// Moves back until all points are visible, including outliers and far ones, and `second_bounds`, relative to the
+    /// origin of the open sequence.
     pub(in crate::app) fn all_framed(&self, second_bounds: &Aabb) -> Option<Camera> {
         let player = self.player.as_ref()?;
         let bounds = self.first_look()?.full;
@@ -222,7 +222,7 @@ impl State {
         }
     }
 
-    /// Width of the picture as a share of its height.
+    /// Aspect ratio of the image.
     fn aspect(&self) -> f64 {
         match self.viewport.size_px.map(f64::from) {
             [width, height] if width > 0.0 && height > 0.0 => width / height,

@@ -17,7 +17,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 impl State {
-    /// Gives what a task came to to the feature that it is of.
+    /// Gives the result of a task to its feature.
     pub(in crate::app) fn take_in(&mut self, outcome: Outcome) {
         let mut features = Features::rows::<Self>().into_iter();
         let left = features.try_fold(outcome, |outcome, feature| match feature.take(self, outcome) {
@@ -31,7 +31,7 @@ impl State {
         }
     }
 
-    /// Takes what is of no feature.
+    /// Takes results of no feature.
     fn take_own(&mut self, outcome: Outcome) -> Result<(), Outcome> {
         outcome
             .give(|found| self.take_found(found))

@@ -8,26 +8,26 @@ use std::time::Duration;
 /// Save state of the open document.
 #[derive(Debug, Default)]
 pub(super) struct Keeper {
-    /// Its file; `None` if it is not kept.
+    /// Its file; `None` if it is not stored.
     pub(super) file: Option<PathBuf>,
     /// Location of the unsaved changes of its session.
     pub(super) unsaved: Option<UnsavedPlace>,
     /// Document as last read from or written to the file by this window.
     pub(super) written: Document,
-    /// As it was opened, or kept last.
+    /// State when it was opened, or last stored.
     pub(super) begun: Document,
     /// As it was opened, or saved as a session last.
     pub(super) saved: Document,
     /// As a new one is.
     pub(super) new: Document,
-    /// As it was at the last look, with the view of that; `None` if what it is compared with has changed since.
+    /// State at the last check, with its view; `None` if the reference has changed since.
     pub(super) seen: Option<Document>,
     /// True if `seen` contains other work than `saved`.
     pub(super) is_unsaved: bool,
     /// True if `seen` contains other work than `begun`.
     pub(super) is_other_work: bool,
-    /// Since when there is something to be kept.
+    /// Time since which there are changes to store.
     pub(super) changed: Option<Duration>,
-    /// Settings overridden by the command line, which are not kept.
+    /// Settings overridden by the command line, which are not stored.
     pub(super) given: Option<MeasuredWay>,
 }

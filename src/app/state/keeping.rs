@@ -1,11 +1,11 @@
-//! Automatic saving of the document: while it is worked on, when it is left, and at the end of the program.
+//! Automatic saving of the document: while it is edited, when it is closed, and at the end of the program.
 //!
-//! **How it works.** Each sequence has a file ([`DocumentFolder`](crate::document::DocumentFolder)). Once a pass the
-//! document is compared with what it began with; differences are written shortly after the last change, so that a
-//! program that is killed has lost little. Looking at frames is not a change, and a file that was only opened leaves
-//! nothing behind. A session has a file of its own: it is written when the user saves it. Until then changes are kept
-//! next to the documents, and restored when the session is opened again (`document/unsaved.rs`), so that the window
-//! closes and other files are opened without a question.
+//! **How it works.** Each sequence has a file ([`DocumentFolder`](crate::document::DocumentFolder)). Once per pass the
+//! document is compared with its initial state; differences are written shortly after the last change, so that a killed
+//! program has lost little. Looking at frames is not a change, and a file that was only opened leaves nothing behind. A
+//! session has its own file: it is written when the user saves it. Until then changes are stored next to the documents,
+//! and restored when the session is opened again (`document/unsaved.rs`), so that the window closes and other files are
+//! opened without a question.
 
 use super::State;
 use super::keeper::Keeper;
@@ -25,13 +25,13 @@ pub(super) struct Found {
     /// As it is to be shown.
     pub(super) document: Document,
     keeper: Keeper,
-    /// Kept parts of the document, for a notice.
+    /// Stored parts of the document, for a notice.
     stored: Vec<String>,
     problem: Option<String>,
 }
 
 impl State {
-    /// Returns the kept document of `sequence`, or a new one.
+    /// Returns the stored document of `sequence`, or a new one.
     pub(super) fn find_document(&mut self, sequence: &Sequence) -> Found {
         let new = self.new_document();
         let folder = self.shared.options.documents.as_ref();
@@ -96,7 +96,7 @@ impl State {
         }
     }
 
-    /// The document as it is kept: without what the command line has changed, and without who draws.
+    /// The document as it is stored: without changes by the command line, and without the renderer.
     pub(super) fn stored_document(&self) -> Document {
         self.as_stored(self.current_document())
     }
@@ -158,7 +158,7 @@ impl State {
         keeper.changed = differs.then_some(self.shared.now);
     }
 
-    /// True if the document differs from what was last saved, or from what was opened.
+    /// True if the document differs from the last saved or opened state.
     pub fn is_unsaved(&self) -> bool {
         self.opening.keeper.is_unsaved
     }
@@ -174,14 +174,14 @@ impl State {
         Some(changed + WRITE_DELAY)
     }
 
-    /// Keeps what was changed long enough before `now`.
+    /// Stores changes made long enough before `now`.
     pub(in crate::app) fn keep_if_due(&mut self, now: Duration) {
         if self.keeping_deadline().is_some_and(|due| due <= now) {
             self.keep_document();
         }
     }
 
-    /// Keeps the document, if it was changed and may be kept.
+    /// Stores the document, if it was changed and may be stored.
     pub(in crate::app) fn keep_document(&mut self) {
         if !self.is_persisted() || self.player.is_none() {
             return;
@@ -214,7 +214,7 @@ impl State {
         folder.write(file, &keeper.written, now)
     }
 
-    /// Keeps what is not saved of the session, as that would hold it.
+    /// Stores the unsaved changes of the session, in its format.
     fn keep_of_session(&self, now: &Document) -> Result<(), String> {
         let keeper = &self.opening.keeper;
         let (Some(folder), Some(place)) = (&self.shared.options.documents, &keeper.unsaved) else {
@@ -282,7 +282,7 @@ impl State {
     }
 }
 
-/// A document without who draws, which is no part of it.
+/// A document without the renderer, which is not a part of it.
 pub(super) fn undrawn(mut document: Document) -> Document {
     document.settings.drawing = DrawingSettings::default();
     document
@@ -329,7 +329,7 @@ mod tests {
             (None, true),
             "no session has it"
         );
-        // Back to the initial state: there is nothing left to save.
+        // Back to the initial state: nothing is left to save.
         state.document.notes.clear();
         note(&mut state);
         state.keep_if_due(due + 2 * WRITE_DELAY);

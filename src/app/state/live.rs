@@ -38,7 +38,7 @@ impl State {
         true
     }
 
-    /// Tells a stream what is looked at, once whole frames have told where to stand.
+    /// Sends the view to a stream, once whole frames have determined the viewpoint.
     pub(in crate::app) fn tell_view(&self) {
         let size_px = self.drawn_style().drawn_px(self.viewport.size_px);
         if self.opening.looked.is_empty() || self.viewport.size_px.contains(&0) {
@@ -82,8 +82,8 @@ impl State {
     }
 }
 
-/// Returns the view sent for a camera: that of an image a quarter wider and higher, as the camera moves on while points
-/// are on the way.
+/// Returns the view sent for a camera: of an image a quarter wider and higher, as the camera moves on while points are
+/// on the way.
 fn view_of(camera: &Camera, size_px: [u32; 2]) -> View {
     let eye = camera.eye_in_world();
     let view = screen_view(&camera.transform(eye, size_px), size_px);
@@ -91,7 +91,7 @@ fn view_of(camera: &Camera, size_px: [u32; 2]) -> View {
     View {
         eye,
         rotation: view.rotation,
-        // The server knows what is near the eye; the client does not, until it has been sent.
+        // The server knows the points near the eye; the client does not, until they have been sent.
         near: 0.0,
         size_px: [0, 1].map(|axis| view.size_px[axis] + 2 * margin_px[axis]),
         px_per_slope: view.px_per_slope,

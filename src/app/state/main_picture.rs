@@ -1,4 +1,4 @@
-//! The picture of the open sequence, and who draws it.
+//! The image of the open sequence, and its renderer.
 
 use crate::app::drawing::Drawing;
 use crate::scene::{Choice, RendererChoice};

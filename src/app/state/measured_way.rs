@@ -3,7 +3,7 @@
 use crate::scene::Settings;
 use crate::scene::describe::{Described, Value};
 
-/// The settings before a measured way was chosen, and with it.
+/// The settings before a measured mode was chosen, and with it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::app) struct MeasuredWay {
     pub(in crate::app) before: Settings,
@@ -11,7 +11,7 @@ pub(in crate::app) struct MeasuredWay {
 }
 
 impl MeasuredWay {
-    /// `now` with the settings from before the way was chosen, but for those that were changed by hand since.
+    /// `now` with the settings from before the mode was chosen, except for those that were changed by hand since.
     pub(in crate::app) fn undone(&self, mut now: Settings) -> Settings {
         let before = self.before.settings();
         let chosen = self.chosen.settings();

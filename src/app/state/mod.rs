@@ -1,5 +1,4 @@
-//! Everything the window shows and what a person can change, without a window: tests drive it with a clock of their
-//! own.
+//! Everything that the window shows and a user can change, without a window: tests drive it with their own clock.
 
 mod actions;
 mod connection;
@@ -66,16 +65,16 @@ use std::time::Duration;
 pub struct State {
     /// The open sequence.
     pub player: Option<Player>,
-    /// Facts about how the sequence was opened, and what is known of it.
+    /// Facts about the opening of the sequence, and its known properties.
     pub opening: OpeningFacts,
-    /// Camera of the view; kept across frames.
+    /// Camera of the view; retained across frames.
     pub camera: Camera,
     /// Source of camera motion.
     pub motion: CameraMotion,
     /// Render settings for requested images.
     pub style: Settings,
-    /// Document: what is open and everything made around it. Notes, up axis and what another version has written are
-    /// stored only here; the working data of player, camera and features is synchronised once a pass.
+    /// Document: the open inputs and everything made around them. Notes, up axis and fields of other versions are
+    /// stored only here; the working data of player, camera and features is synchronised once per pass.
     pub document: Document,
     /// Undo and redo of the document.
     pub(in crate::app) history: History,
@@ -87,13 +86,13 @@ pub struct State {
     pub panels: OpenPanels,
     /// Appearance of the window.
     pub appearance: Appearance,
-    /// The picture's place.
+    /// The rectangle of the image.
     pub viewport: Viewport,
     /// Known facts about the GPU.
     pub graphics: GraphicsInfo,
-    /// The picture of the open sequence.
+    /// The image of the open sequence.
     pub(in crate::app) main: MainPicture,
-    /// Lists that are kept between runs.
+    /// Lists that persist between runs.
     pub stored: Stored,
     /// Clock, tasks, dialogs and requests.
     pub shared: Shared,
@@ -155,7 +154,7 @@ impl State {
         self.player.as_ref()?.shown()?.frame.unit()
     }
 
-    /// Returns the preferences kept between runs; the window adds its size.
+    /// Returns the preferences that persist between runs; the window adds its size.
     pub fn preferences(&self) -> Preferences {
         let clock = self.player.as_ref().map(Player::clock);
         Preferences {
@@ -177,7 +176,7 @@ impl State {
         }
     }
 
-    /// Moves on to `now`: takes in what threads finished, moves the playhead. Says what can be seen to change.
+    /// Advances to `now`: takes in results of threads, moves the playhead. Returns the visible change.
     pub fn update(&mut self, now: Duration) -> VisibleChange {
         let before = std::mem::replace(&mut self.shared.now, now);
         let outcomes = self.shared.tasks.take();
@@ -228,7 +227,7 @@ impl State {
         VisibleChange::of_panels(visible).max(of_frame)
     }
 
-    /// Says what is new about frames that were read, of `count`.
+    /// Reports news about frames that were read, of `count`.
     fn tell_of_frames(&mut self, change: PlayerChange, count: usize) {
         for &frame in &change.reread {
             for feature in Features::rows::<Self>() {
@@ -249,7 +248,7 @@ impl State {
         }
     }
 
-    /// Has what features make of the shown frame made. True if something can be seen to change.
+    /// Starts the features' work on the shown frame. True if there is a visible change.
     fn follow_shown(&mut self) -> bool {
         let mut visible = false;
         for feature in Features::rows::<Self>() {
@@ -276,14 +275,14 @@ impl State {
         !is_playing || Features::rows::<Self>().iter().any(|feature| feature.shows_frame(self))
     }
 
-    /// Has features take in at once what the panels have changed.
+    /// Has features apply changes by the panels at once.
     pub(in crate::app) fn follow_panels(&mut self) {
         for feature in Features::rows::<Self>() {
             feature.follow_panels(self);
         }
     }
 
-    /// True if something that is not the picture may have changed: marks on the timeline, progress.
+    /// True if something other than the image may have changed: marks on the timeline, progress.
     pub fn has_news(&self) -> bool {
         let mut works = self.shared.works.list().iter();
         works.any(|work| work.is_long(self.shared.now))
@@ -296,7 +295,7 @@ impl State {
         std::mem::take(&mut self.shared.requests)
     }
 
-    /// When [`State::update`] has something to do by itself.
+    /// Time at which [`State::update`] has something to do without input.
     pub fn next_deadline(&self) -> Option<Duration> {
         let own = [
             self.player.as_ref().and_then(Player::next_deadline),

@@ -1,4 +1,4 @@
-//! The camera goes to what is pointed at, and moves by itself.
+//! Camera moves to the pointed-at position, and automatic motion.
 
 use super::{State, WindowRequest};
 use crate::app::motion::Glide;
@@ -27,7 +27,7 @@ impl State {
         true
     }
 
-    /// [`State::focus_at`] for what the pointer is over.
+    /// [`State::focus_at`] for the position of the pointer.
     pub(in crate::app) fn focus_at_pointer(&mut self) {
         if let Some(place) = self.viewport.pointer {
             self.focus_at(place);
@@ -69,7 +69,7 @@ impl State {
         self.notices.info("The view was copied as text");
     }
 
-    /// Puts the camera where a text says that [`Command::COPY_VIEW`](crate::app::Command::COPY_VIEW) made.
+    /// Sets the camera from a text made by [`Command::COPY_VIEW`](crate::app::Command::COPY_VIEW).
     pub fn paste_view(&mut self, text: &str) {
         match text.parse() {
             Ok(camera) => {

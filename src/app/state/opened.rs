@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// Opening details of the open sequence, and the session that it belongs to.
 #[derive(Debug, Default)]
 pub(in crate::app) struct Opened {
-    /// Named inputs; empty if nobody named any.
+    /// Named inputs; empty if none were named.
     pub(in crate::app) inputs: Vec<PathBuf>,
     /// Open options, if they differ from the window's defaults.
     pub(in crate::app) options: Option<OpenOptions>,
@@ -23,7 +23,7 @@ pub(in crate::app) struct Opened {
     pub(in crate::app) is_damaged: bool,
 }
 
-/// A session that opens more than the files of its folder, and is not opened before somebody says so.
+/// A session that opens more than the files of its folder, and is not opened before the user allows it.
 #[derive(Debug)]
 pub struct SessionQuestion {
     pub(in crate::app) inputs: Vec<PathBuf>,
@@ -46,7 +46,7 @@ pub struct SavedSession {
     pub(in crate::app) file: PathBuf,
     /// The camera path that is in it.
     pub(in crate::app) path: Arc<Draft>,
-    /// The document that is in it, as it is kept.
+    /// The document that is in it, as it is stored.
     pub(in crate::app) document: Box<Document>,
     /// Hash of the session's text.
     pub(in crate::app) hash: TextHash,

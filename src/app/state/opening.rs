@@ -17,7 +17,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 impl State {
-    /// Opens the document of `sequence`, replacing the open one: the kept document, or a new one. Loop mode and speed
+    /// Opens the document of `sequence`, replacing the open one: the stored document, or a new one. Loop mode and speed
     /// stay: they are choices of the user, not of the document.
     pub fn open(&mut self, sequence: Arc<Sequence>) {
         self.keep_document();
@@ -90,7 +90,7 @@ impl State {
         }
     }
 
-    /// A topic is a choice for one recording: what is opened next has others.
+    /// A topic is a choice for one recording: the next one has others.
     fn open_with_topic(&mut self, inputs: Vec<PathBuf>, topic: Option<Arc<str>>) {
         let open = self.shared.options.open.clone();
         self.find(inputs, OpenOptions { topic, ..open }, Side::A);
@@ -162,7 +162,7 @@ impl State {
         }
     }
 
-    /// Sets the memory for prepared frames, now and for what is opened later.
+    /// Sets the memory for prepared frames, now and for sequences opened later.
     pub fn set_budget_bytes(&mut self, budget_bytes: usize) {
         self.shared.options.budget_bytes = Some(budget_bytes);
         self.share_budget();

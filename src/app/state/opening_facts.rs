@@ -1,4 +1,4 @@
-//! Opening facts: how the open sequence came to be open, and what is known of it.
+//! Opening facts: how the open sequence was opened, and its known properties.
 
 use super::connection::Connection;
 use super::failed_opening::{FailedOpening, Unproven};
@@ -7,12 +7,12 @@ use super::measured_way::MeasuredWay;
 use super::opened::{Opened, SessionQuestion};
 use crate::app::first_look::SequenceLook;
 
-/// Facts about how the open sequence was opened, what was derived from it, and what could not be opened.
+/// Facts about how the open sequence was opened, derived properties, and failures to open.
 #[derive(Debug, Default)]
 pub struct OpeningFacts {
     /// Input that was last to be opened and cannot be shown.
     pub failed: Option<FailedOpening>,
-    /// The session that is not opened before somebody allows what it opens.
+    /// The session that is not opened before the user allows its inputs.
     pub session_question: Option<SessionQuestion>,
     /// Look derived for the open sequence.
     pub(in crate::app) looked: SequenceLook,
@@ -24,6 +24,6 @@ pub struct OpeningFacts {
     pub(in crate::app) unproven: Unproven,
     /// Measured render mode that is used for the open sequence.
     pub(in crate::app) measured_way: Option<MeasuredWay>,
-    /// That of the open sequence, of live streams.
+    /// The connection of the open sequence, of live streams.
     pub(in crate::app) connection: Connection,
 }

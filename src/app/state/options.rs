@@ -11,7 +11,7 @@ use crate::sequence::OpenOptions;
 use std::fmt;
 use std::sync::Arc;
 
-/// Settings that override those of a document.
+/// Settings that override a document's.
 #[derive(Clone)]
 pub struct GivenStyle(Arc<dyn Fn(Settings) -> Settings + Send + Sync>);
 
@@ -21,7 +21,7 @@ impl GivenStyle {
         Self(Arc::new(over))
     }
 
-    /// `style`, but for what is given.
+    /// `style`, except for the given settings.
     #[must_use]
     pub fn over(&self, style: Settings) -> Settings {
         (self.0)(style)
@@ -51,7 +51,7 @@ pub struct StateOptions {
     pub preferences: Preferences,
     /// Up axis; guessed for each sequence if `None`.
     pub up: Option<UpAxis>,
-    /// Settings given for this run: they override those of documents, and are not kept.
+    /// Settings given for this run: they override documents, and are not stored.
     pub given: GivenStyle,
     /// Initial camera of the first sequence, instead of a view that shows all of it.
     pub view: Option<Camera>,
@@ -59,7 +59,7 @@ pub struct StateOptions {
     pub open: OpenOptions,
     /// Show the newest frame of a folder as it comes.
     pub follow: bool,
-    /// Do not play what is opened.
+    /// Do not start playing.
     pub paused: bool,
     /// Frame to show first, of the first sequence.
     pub frame: Option<usize>,
@@ -71,9 +71,9 @@ pub struct StateOptions {
     pub reading_choices: ReadingChoices,
     /// Settings under names.
     pub presets: Presets,
-    /// The folder where documents are kept; they are not if `None`.
+    /// The folder where documents are stored; they are not if `None`.
     pub documents: Option<DocumentFolder>,
-    /// The first document begins from defaults, whatever is kept of its sequence.
+    /// The first document begins from defaults, whatever is stored of its sequence.
     pub is_fresh: bool,
     /// Wakes the window from another thread.
     pub wake: Wake,

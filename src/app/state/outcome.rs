@@ -20,7 +20,7 @@ pub struct FoundSequence {
     pub(in crate::app) inputs: Vec<PathBuf>,
     /// Options it was opened with.
     pub(in crate::app) open: OpenOptions,
-    /// The session that the frames are of, if one was asked for.
+    /// The session of the frames, if one was requested.
     pub(in crate::app) session: Option<Box<ReadSession>>,
     /// The frames.
     pub(in crate::app) sequence: Result<Arc<Sequence>, NotFound>,
@@ -33,11 +33,11 @@ pub struct FoundSequence {
 /// Why no frames were found.
 #[derive(Debug)]
 pub(in crate::app) enum NotFound {
-    /// Nobody wants them any more.
+    /// The request was cancelled.
     Cancelled,
-    /// There are none, and why; and the sequences of which one has to be chosen.
+    /// There are none, with the reason; and the sequences from which one has to be chosen.
     Because(String, Vec<OpeningChoice>),
-    /// The session opens more than is allowed: a person is asked.
+    /// The session opens more than is allowed: the user is asked.
     Beyond(Beyond),
 }
 

@@ -11,11 +11,11 @@ pub enum VisibleChange {
     /// Nothing.
     #[default]
     Nothing,
-    /// The picture alone.
+    /// The image alone.
     Picture,
-    /// The frame that plays, and so the picture; of the panels no more than where the playhead is.
+    /// The playing frame, and so the image; of the panels only the position of the playhead.
     Frame,
-    /// Whatever panels show.
+    /// Anything that panels show.
     Panels,
 }
 
@@ -36,11 +36,11 @@ impl VisibleChange {
 pub struct Counters {
     /// Runs of the panels.
     pub ui_passes: u64,
-    /// Packets that differed from the one before: pictures asked of the renderer.
+    /// Packets that differed from the one before: images requested from the renderer.
     pub pictures: u64,
 }
 
-/// The picture on the screen.
+/// The image on the screen.
 #[derive(Debug, Clone, Copy)]
 pub struct Viewport {
     /// Its place in the window, points.
@@ -55,7 +55,7 @@ pub struct Viewport {
     pub pointer: Option<egui::Pos2>,
     /// The texture that holds it; `None` without a GPU.
     pub texture: Option<egui::TextureId>,
-    /// The texture that holds the picture of the other side of a comparison.
+    /// The texture with the image of the other side of a comparison.
     pub other_texture: Option<egui::TextureId>,
     /// Largest edge that the adapter can draw.
     pub max_edge_px: Option<u32>,
@@ -79,7 +79,7 @@ impl Default for Viewport {
 /// GPU information shown in the statistics panel, and the GPU memory budget.
 #[derive(Debug, Clone)]
 pub struct GraphicsInfo {
-    /// Most bytes of points and voxels that stay in its memory for pictures to come.
+    /// Max bytes of points and voxels that stay in its memory for later images.
     pub budget_bytes: u64,
     /// Name, type and driver.
     pub adapter: String,
@@ -89,7 +89,7 @@ pub struct GraphicsInfo {
     pub paints_on_processor: bool,
     /// Counters of the renderer.
     pub render: RenderStats,
-    /// Time of the last redraw: panels, picture, painting and presenting, and what is beyond the usual wait for the
+    /// Time of the last redraw: panels, image, painting and presenting, and any wait beyond the regular one for the
     /// screen.
     pub frame_ms: f64,
     /// Its parts.
@@ -120,9 +120,9 @@ impl GraphicsInfo {
 /// Request that only the window itself can serve.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum WindowRequest {
-    /// Read the picture back and write it to this file, or to a new one.
+    /// Read the image back and write it to this file, or to a new one.
     Screenshot(Option<PathBuf>),
-    /// Read the pictures of both sides of a comparison back.
+    /// Read the images of both sides of a comparison back.
     Compare,
     /// Put this text on the clipboard.
     Copy(String),

@@ -10,7 +10,7 @@ use crate::sequence::PreparedFrame;
 use std::sync::Arc;
 
 impl State {
-    /// The frame that is drawn: the shown one, or what other poses made of it.
+    /// The frame that is drawn: the shown one, or one derived from it and other frames.
     pub(in crate::app) fn drawn_frame(&self) -> Option<&Arc<PreparedFrame>> {
         let made = self.features.temporal.shown().map(|made| &made.composed().frame);
         made.or_else(|| self.player.as_ref()?.shown())
@@ -30,7 +30,7 @@ impl State {
     }
 
     /// Returns the progress of the surface for view-dependent texturing, in words, while it is being built and the
-    /// images are to be shown. For multi-view video nobody waits for one.
+    /// images are to be shown. Multi-view video does not wait for one.
     pub(in crate::app) fn surface_on_its_way(&self) -> Option<String> {
         let text = self.features.photos.loading()?;
         self.waits_for_surface(&self.drawn_style()).then_some(text)
@@ -82,7 +82,7 @@ impl State {
         Some(packet)
     }
 
-    /// Takes notice of how long a redraw took, whose picture is on the screen now.
+    /// Records the time of a redraw whose image is on the screen now.
     pub fn note_redraw(&mut self, redraw: Redraw, frame_ms: f64, render: RenderStats) {
         self.graphics.redraw = redraw;
         self.graphics.frame_ms = frame_ms;
@@ -109,7 +109,7 @@ impl State {
     }
 
     /// The packet of the other side of a comparison, or of the other sequence, if it differs from the last one. To be
-    /// asked for after [`State::next_packet`].
+    /// called after [`State::next_packet`].
     pub fn next_other_packet(&mut self) -> Option<ScenePacket> {
         if self.features.split_view.is_some() {
             return self.next_packet_second();
@@ -138,7 +138,7 @@ impl State {
         Some(packet)
     }
 
-    /// Forgets what was drawn: after a new GPU device everything is drawn again.
+    /// Forgets drawn images: after a new GPU device everything is drawn again.
     pub fn forget_picture(&mut self) {
         self.main.drawing.forget_picture();
         self.features.thumbnails.forget_textures();

@@ -24,7 +24,7 @@ impl State {
         self.opening.unproven[side as usize] = inputs;
     }
 
-    /// Lists what is shown for the first time as recently opened.
+    /// Lists inputs that are shown for the first time as recently opened.
     pub(in crate::app) fn note_proven(&mut self) {
         let is_a_shown = self.player.as_ref().is_some_and(|player| player.shown().is_some());
         let b = self
@@ -48,7 +48,7 @@ impl State {
         }
     }
 
-    /// Closes a sequence of which nothing can be shown. True if it was one.
+    /// Closes a sequence without any frame that can be shown. True if it was one.
     pub(in crate::app) fn close_if_broken(&mut self) -> bool {
         if let Some(player) = &mut self.player
             && player.failure().is_some()

@@ -1,5 +1,4 @@
-//! Frames that take long to read: their bars, and what becomes of a sequence whose first frame nobody waits for any
-//! more.
+//! Frames that take long to read: their bars, and the handling of a sequence whose first frame was cancelled.
 
 use super::State;
 use super::keeper::Keeper;
@@ -21,11 +20,11 @@ const LOOK_INTERVAL: Duration = Duration::from_millis(100);
 pub(in crate::app) enum PictureStage {
     /// Some of its points.
     SomePoints,
-    /// All of its points, without what is still to be estimated.
+    /// All of its points, without attributes that are still to be estimated.
     AllPoints,
-    /// Surfels of what is in view, while those of all points are being estimated.
+    /// Surfels of the visible part, while those of all points are being estimated.
     SurfelsInView,
-    /// All that was asked for.
+    /// Everything that was requested.
     Whole,
 }
 
@@ -69,8 +68,7 @@ impl State {
         })
     }
 
-    /// Takes notice of frames that are waited for and being read, and of those that nobody waits for any more. True if
-    /// something is closed.
+    /// Tracks awaited frames that are being read, and cancelled ones. True if something is closed.
     pub(in crate::app) fn follow_readings(&mut self) -> bool {
         let is_given_up = |is_shown: bool, loader: &Loader| !is_shown && loader.was_cancelled();
         if let Some(player) = &self.player
@@ -138,7 +136,7 @@ impl State {
         }
     }
 
-    /// Forgets what belongs to the sequence that was open before.
+    /// Forgets the data of the sequence that was open before.
     pub(in crate::app) fn leave(&mut self, before: Player) {
         self.close_split_view();
         self.end_comparison(Side::A);

@@ -1,4 +1,4 @@
-//! Sessions: saved with all that a person has made around the open sequence, and taken up again.
+//! Sessions: saved with all of the user's work around the open sequence, and reopened.
 
 use super::State;
 use super::dialogs::Dialog;
@@ -17,14 +17,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 impl State {
-    /// Takes notice of what the open sequence was named by, and how it was opened.
+    /// Records the names of the open sequence, and its open options.
     pub(in crate::app) fn note_opened(&mut self, inputs: Vec<PathBuf>, options: Option<OpenOptions>) {
         self.opening.opened.inputs = inputs;
         self.opening.opened.options = options;
         self.note_begun();
     }
 
-    /// The open sequence is another one, of which nobody has said what it is named by.
+    /// Records that the open sequence is another one, without a name.
     pub(in crate::app) fn note_unnamed(&mut self) {
         self.opening.opened = Opened::default();
         self.document = Document::default();
@@ -57,7 +57,7 @@ impl State {
             .ok_or_else(|| "The open sequence is not a file: its session could not be reopened".to_owned())
     }
 
-    /// Looks for what the document has next to the open sequence.
+    /// Searches for the document's second sequence.
     pub(in crate::app) fn open_companion(&mut self) {
         let Some(compared) = &self.opening.opened.compared else {
             return;
@@ -72,7 +72,8 @@ impl State {
         self.find(inputs, open, Side::B);
     }
 
-    /// Shows `sequence`, which was named as `inputs`, next to the open one: as the document says, if it is that of it.
+    /// Shows `sequence`, named by `inputs`, next to the open one: with the document's settings, if it is the
+    /// document's.
     pub(in crate::app) fn compare_found(&mut self, sequence: Arc<Sequence>, inputs: &[PathBuf]) {
         let compared = self
             .opening
@@ -136,12 +137,12 @@ impl State {
             hash,
         } = saved;
         self.notices.info(format!("Saved {}", file.display()));
-        // What is stored in the session is not lost.
+        // A path stored in the session is not lost.
         self.features.path.note_stored(path);
         if let Err(problem) = self.stored.recent.add(std::slice::from_ref(&file)) {
             self.notices.warn(problem);
         }
-        // Changes made while it was being written are stored as changes to what is in the file now.
+        // Changes made while it was being written are stored as changes to the current file.
         self.keep_document();
         if let (Some(folder), Some(before)) = (&self.shared.options.documents, &self.opening.keeper.unsaved) {
             folder.forget_unsaved(before);
@@ -173,7 +174,7 @@ impl State {
         self.session_file().is_some() && self.is_unsaved() && !self.is_persisted()
     }
 
-    /// Shows `sequence`, which is of a session, as that says.
+    /// Shows `sequence` of a session, in the session's state.
     pub fn open_session(&mut self, sequence: Arc<Sequence>, read: ReadSession) {
         let ReadSession {
             file,
@@ -211,7 +212,7 @@ impl State {
             }
         });
         self.shared.options.is_fresh = false;
-        // A document reopened in place has no file of its own.
+        // A document reopened in place does not have its own file.
         self.opening.keeper.unsaved = (!file.as_os_str().is_empty())
             .then(|| self.unsaved_place(&file, text_hash))
             .flatten();

@@ -1,10 +1,10 @@
-//! State kept between runs of the program.
+//! State that persists between runs of the program.
 
 use crate::app::presets::Presets;
 use crate::app::reading_choices::ReadingChoices;
 use crate::app::recent::Recent;
 
-/// Lists that are kept between runs of the program, apart from the settings.
+/// Lists that persist between runs of the program, apart from the settings.
 #[derive(Debug, Clone)]
 pub struct Stored {
     /// Recently opened inputs.

@@ -4,7 +4,7 @@ use super::numbers::parse_counted;
 use crate::messages::counted;
 use egui::{DragValue, Slider};
 
-/// A slider of so many frames.
+/// A slider over a number of frames.
 pub(in crate::app) fn frames_slider(slider: Slider<'_>) -> Slider<'_> {
     slider
         .integer()

@@ -1,8 +1,8 @@
-//! Names of controls without a text of their own.
+//! Names of controls without text.
 
 use egui::Response;
 
-/// Gives a control a name of its own for screen readers and tests.
+/// Gives a control a name for screen readers and tests.
 pub(in crate::app) fn named(response: &Response, name: impl Into<String>) {
     let name = name.into();
     response

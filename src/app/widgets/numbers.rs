@@ -1,4 +1,4 @@
-//! Numbers as a person reads them.
+//! Numbers as display text.
 
 use crate::cloud::LengthUnit;
 
@@ -15,7 +15,7 @@ pub(in crate::app) fn grouped(number: u64) -> String {
     text
 }
 
-/// Reads what [`counted`](crate::messages::counted) has written, or a bare number.
+/// Parses the output of [`counted`](crate::messages::counted), or a bare number.
 pub(in crate::app) fn parse_counted(text: &str) -> Option<f64> {
     text.split_whitespace().next()?.parse().ok()
 }
@@ -41,7 +41,7 @@ pub(in crate::app) fn significant(value: f64) -> String {
     rounded_to(value, 9)
 }
 
-/// Four digits, to be read; who copies a number takes all of them.
+/// Four digits, for display; copying a number gives all of them.
 pub(in crate::app) fn readable(value: f64) -> String {
     rounded_to(value, 4)
 }
@@ -52,7 +52,7 @@ pub(in crate::app) fn with_unit(value: f64, unit: Option<LengthUnit>) -> String 
     readable(value) + &symbol
 }
 
-/// A number as so many digits tell it, at least 1.
+/// A number rounded to this many digits, at least 1.
 pub(in crate::app) fn rounded_to(value: f64, digits: i32) -> String {
     let magnitude = value.abs().log10().floor();
     if !(-6.0..12.0).contains(&magnitude) {

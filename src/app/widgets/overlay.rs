@@ -1,4 +1,4 @@
-//! A picture that is painted over at places of the cloud.
+//! An image with marks painted at positions of the cloud.
 
 use crate::scene::Camera;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, pos2, vec2};
@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 /// Radius of a ring around a place, points.
 pub(in crate::app) const RING: f32 = 6.0;
 
-/// The picture, to be painted over at places in the coordinates of the file.
+/// The image, to be painted over at positions in the coordinates of the file.
 pub(in crate::app) struct PictureOverlay<'a> {
     painter: &'a Painter,
     rect: Rect,
@@ -16,7 +16,7 @@ pub(in crate::app) struct PictureOverlay<'a> {
 }
 
 impl<'a> PictureOverlay<'a> {
-    /// A picture of so many pixels over `rect`, as `camera` sees it.
+    /// An image of `size_px` over `rect`, as `camera` sees it.
     pub(in crate::app) fn new(painter: &'a Painter, rect: Rect, size_px: [u32; 2], camera: &'a Camera) -> Self {
         Self {
             painter,
@@ -31,7 +31,7 @@ impl<'a> PictureOverlay<'a> {
         self.camera.up.direction()
     }
 
-    /// From pixels of the picture to points of the window.
+    /// From pixels of the image to points of the window.
     fn to_window(&self, px: DVec2) -> Pos2 {
         let [width, height] = self.size_px.map(|edge| f64::from(edge.max(1)));
         let part = px / DVec2::new(width, height);

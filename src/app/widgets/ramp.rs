@@ -33,7 +33,7 @@ pub(in crate::app) fn paint_ramp(painter: &Painter, rect: Rect, map: ColorMap, i
     painter.add(mesh);
 }
 
-/// A bar of the map as wide as there is room.
+/// A bar of the map with the available width.
 pub(in crate::app) fn ramp_ui(ui: &mut Ui, map: ColorMap) {
     let (bar, response) = ui.allocate_exact_size(bar_size(ui, BAR_HEIGHT), Sense::hover());
     response.on_hover_text("The colour map, from the first colour to the last");

@@ -45,7 +45,7 @@ pub(in crate::app) fn choice<T: Copy + PartialEq>(
     choice_among(ui, name, tooltip, value, choices, |_| None);
 }
 
-/// Shows a [`choice`] of which some entries cannot be chosen; `lack_of` gives the reason.
+/// Shows a [`choice`] with some entries disabled; `lack_of` gives the reason.
 pub(in crate::app) fn choice_among<T: Copy + PartialEq>(
     ui: &mut Ui,
     name: &str,
@@ -79,7 +79,7 @@ pub(in crate::app) fn choice_among<T: Copy + PartialEq>(
     ui.end_row();
 }
 
-/// Says something below a choice of a grid, whose cells are as wide as what is in them.
+/// Shows a note below a choice of a grid, whose cells are as wide as their content.
 pub(in crate::app) fn note_below(ui: &mut Ui, text: &str) {
     const WIDTH: f32 = 190.0;
     ui.label("");

@@ -1,9 +1,9 @@
-//! Windows whose size changes with what is in them.
+//! Windows whose size changes with their content.
 
 use egui::{Id, InnerResponse, Ui, Vec2};
 
-/// Has the panels run again when the window `name` has another size than in the last pass: what is in it takes its new
-/// places then.
+/// Reruns the panels when the size of the window `name` differs from the last pass: its content takes its new places
+/// then.
 pub(in crate::app) fn settle<R>(ui: &Ui, name: &'static str, shown: Option<InnerResponse<R>>) {
     let size = shown.map(|shown| shown.response.rect.size());
     let id = Id::unique(name).with("size");

@@ -1,4 +1,4 @@
-//! A row of a panel that somebody searched for by name: it is scrolled into view, and briefly framed.
+//! A row of a panel that was searched by name: it is scrolled into view, and briefly framed.
 
 use crate::app::theme::ACCENT;
 use egui::{Align, Context, Id, Response, Stroke, StrokeKind};

@@ -1,24 +1,24 @@
-//! Windows over the picture: they stay off the menu and the timeline, and have their place and size back after the
+//! Windows over the image: they stay off the menu and the timeline, and get their place and size back after the
 //! program's window was small.
 //!
 //! How it works. egui remembers place and size of a window by its id. In a small window of the program a tool has
-//! another id, so what it is squeezed to there is forgotten when there is room again. There it is never larger than the
-//! room, and its contents scroll; where menu and timeline leave next to nothing, it may lie over them.
+//! another id, so its squeezed size is forgotten when there is space again. There it is never larger than the space,
+//! and its contents scroll; where menu and timeline leave next to nothing, it may lie over them.
 
 use egui::{Context, Id, Rect, TextStyle, Vec2, Window, vec2};
 
-/// In less room than this, tools are squeezed, points.
+/// In less space than this, tools are squeezed, points.
 const SMALL: [f32; 2] = [760.0, 440.0];
 
 /// In less height than this between menu and timeline, tools may lie over both, points.
 const MIN_HEIGHT: f32 = 160.0;
 
-/// Between a squeezed tool and the edges of its room, points.
+/// Margin between a squeezed tool and the edges of its space, points.
 const MARGIN: f32 = 2.0;
 
-/// Says where windows may be: what menu and timeline leave. False in the first pass after the program's window got
-/// another size: how high these are then is not known yet, windows would be squeezed into what is left of the size
-/// before, and are not to be shown. The pass is made again.
+/// Sets the space for windows: the area without menu and timeline. False in the first pass after the program's window
+/// was resized: the heights of these are not known yet, windows would be squeezed into the rest of the previous size,
+/// and are not to be shown. The pass is repeated.
 pub(in crate::app) fn note_free_rect(ctx: &Context, space: Rect) -> bool {
     let all = ctx.content_rect();
     let space = if space.height() < MIN_HEIGHT { all } else { space };
@@ -57,12 +57,12 @@ pub(in crate::app) fn is_small(ctx: &Context) -> bool {
     space.width() < SMALL[0] || space.height() < SMALL[1]
 }
 
-/// The id of the window of a tool, in as much room as there is.
+/// The id of the window of a tool, for the available space.
 pub(in crate::app) fn tool_id(ctx: &Context, name: &'static str) -> Id {
     Id::unique(("tool", name, is_small(ctx)))
 }
 
-/// A window of a tool. What has scroll areas of its own says `.scroll(false)`.
+/// A window of a tool. Tools with their own scroll areas use `.scroll(false)`.
 pub(in crate::app) fn tool_window<'a>(ctx: &Context, name: &'static str, title: &'a str) -> Window<'a> {
     let space = space(ctx).shrink(MARGIN);
     let window = Window::new(title).id(tool_id(ctx, name)).constrain_to(space);

@@ -1,4 +1,4 @@
-//! Screen readers, and other programs that help people: what they ask of the window.
+//! Screen readers and other assistive technology: their requests to the window.
 
 use super::App;
 use egui_winit::accesskit_winit;

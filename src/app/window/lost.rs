@@ -82,7 +82,7 @@ impl App {
         }
     }
 
-    /// After an allocation that did not fit: the processor draws, which needs none.
+    /// After an allocation that did not fit: the CPU draws, which needs none.
     pub(super) fn go_on_without_gpu(&mut self, error: &RenderError) {
         self.state.draw_without_gpu();
         self.state.notices.post(

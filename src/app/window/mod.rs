@@ -58,7 +58,7 @@ const NEWS_INTERVAL: Duration = Duration::from_millis(100);
 pub struct Options {
     /// Initial state options. Their `wake` is replaced.
     pub state: StateOptions,
-    /// Sequence to show first; if `None` the welcome view, or the demo for users who have opened nothing yet.
+    /// Sequence to show first; if `None` the welcome view, or the demo for users without recent inputs.
     pub sequence: Option<Arc<Sequence>>,
     /// Sequence to show next to it for comparison.
     pub compare: Option<Arc<Sequence>>,
@@ -72,23 +72,23 @@ pub struct Options {
     pub session: Option<Box<ReadSession>>,
     /// Warnings from before there was a window to show them in.
     pub warnings: Vec<String>,
-    /// File in which changes of settings are kept; none by default.
+    /// File in which changes of settings are stored; none by default.
     pub preferences_file: PreferencesFile,
     /// Size of the window in pixels, which takes precedence over the preferred one.
     pub size_px: Option<[u32; 2]>,
     /// Open the window in full screen.
     pub is_full_screen: bool,
-    /// Write the 3-D picture to this file and end.
+    /// Write the 3-D image to this file and end.
     pub screenshot: Option<PathBuf>,
     /// Number of frames shown before the screenshot; at least 1.
     pub after_frames: u64,
-    /// Commands that are run as if a person had asked for them.
+    /// Commands that are run as if by the user.
     pub script: Option<Script>,
-    /// End the GPU device after this many pictures, as a crashed driver would: for tests.
+    /// End the GPU device after this many images, as a crashed driver would: for tests.
     pub lose_device_after: Option<u64>,
 }
 
-/// Why the window could not be opened or go on.
+/// Errors of opening or running the window.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum AppError {
@@ -107,7 +107,7 @@ pub enum AppError {
     /// The window was closed before it had measured itself.
     #[error("the window was closed before all was measured")]
     Closed,
-    /// The screenshot that was asked for could not be made.
+    /// The requested screenshot could not be made.
     #[error("{0}")]
     Screenshot(String),
 }
@@ -117,7 +117,7 @@ pub fn run(options: Options) -> Result<(), AppError> {
     run_with(options, None).map(|_| ())
 }
 
-/// Opens a window that plays, turns and scrubs `inputs` by itself, and returns what it presented.
+/// Opens a window that plays, orbits and scrubs `inputs` by itself, and returns its measurements.
 pub fn bench_window(
     inputs: &[Input],
     bench: &BenchOptions,
@@ -140,7 +140,7 @@ pub fn bench_window(
     run_with(options, Some(WindowBench::new(inputs, bench, renderer)))
 }
 
-/// The window; what it found, if it is to do something by itself.
+/// Runs the window; returns its measurements, if it drives itself.
 fn run_with(options: Options, window_bench: Option<WindowBench>) -> Result<Vec<WindowAction>, AppError> {
     let no_window = |reason: &dyn std::fmt::Display| AppError::NoWindow {
         reason: reason.to_string(),
@@ -184,7 +184,7 @@ struct App {
     options: Options,
     screen: Option<OpenWindow>,
     messages: EventLoopProxy<Message>,
-    /// A screen reader asks what is in the window.
+    /// A screen reader is active.
     is_read_aloud: bool,
     begin: Instant,
     /// Set by the first wake since the last look, so that a busy loader does not fill the queue.
@@ -197,9 +197,9 @@ struct App {
     stage_shown: Option<PictureStage>,
     /// Visible change since the last redraw.
     change: VisibleChange,
-    /// The window system asks for the window that it has lost.
+    /// The window system has lost the window's contents.
     is_exposed: bool,
-    /// A redraw was asked for.
+    /// A redraw was requested.
     is_redraw_queued: bool,
     /// When egui wants to be run again.
     repaint_at: Option<Duration>,
@@ -208,12 +208,12 @@ struct App {
     last_redraw: Duration,
     /// When egui was run last.
     last_panels: Duration,
-    /// Time between two pictures of the screen.
+    /// Refresh interval of the screen.
     refresh_interval: Duration,
-    /// The size of the window that was looked at last for the preferences.
+    /// The last checked size of the window, for the preferences.
     noted_size: Option<PhysicalSize<u32>>,
     rebuilt_at: Vec<Duration>,
-    /// Automated trial that drives the window for measurement.
+    /// Benchmark that drives the window.
     window_bench: Option<WindowBench>,
     end: Result<(), AppError>,
 }
@@ -230,8 +230,8 @@ impl App {
             }
         });
         let mut state = State::new(options.state.clone());
-        // Users who have opened something before are offered that; new users see something that moves. The window waits
-        // for the first frame of a followed folder.
+        // Users with recent inputs are offered these; new users see an animation. The window waits for the first frame
+        // of a followed folder.
         let is_waited_for = options.sequence.is_none() && !options.inputs.is_empty();
         let offers_demo = state.stored.recent.entries().is_empty() && !is_waited_for;
         let demo = || offers_demo.then(|| Arc::new(Sequence::demo()));
@@ -313,7 +313,7 @@ impl App {
             })
     }
 
-    /// The presenter's side and egui's for `window`; what is open in egui stays as it was in `before`.
+    /// The presenter's side and egui's for `window`; the state of egui stays as it was in `before`.
     fn open_screen(
         &mut self,
         event_loop: &ActiveEventLoop,
@@ -367,7 +367,7 @@ impl App {
         })
     }
 
-    /// Takes notice of how often the screen shows a picture that the window is on.
+    /// Records the refresh rate of the window's screen.
     fn note_refresh_rate(&mut self, window: &Window) {
         let monitor = window.current_monitor();
         let millihertz = monitor.and_then(|monitor| monitor.refresh_rate_millihertz());
@@ -378,7 +378,7 @@ impl App {
             });
     }
 
-    /// Has a trial do what is due; when there is more to do.
+    /// Runs the due steps of a benchmark; returns the time of the next one.
     fn advance_window_bench(&mut self, event_loop: &ActiveEventLoop, now: Duration) -> Option<Duration> {
         let (window_bench, screen) = self.window_bench.as_mut().zip(self.screen.as_mut())?;
         // After the first redraw, which determines the layout.
@@ -397,7 +397,7 @@ impl App {
         deadline
     }
 
-    /// Has a script run what is due; when there is more to do.
+    /// Runs the due lines of a script; returns the time of the next one.
     fn advance_script(&mut self, event_loop: &ActiveEventLoop, now: Duration) -> Option<Duration> {
         // After the first redraw, which determines the layout.
         let script = self.options.script.as_mut().filter(|_| self.has_been_shown)?;
@@ -418,7 +418,7 @@ impl App {
         event_loop.exit();
     }
 
-    /// Takes notice of what is to be kept.
+    /// Records the preferences to be stored.
     fn note_preferences(&mut self, window: &Window) {
         let size = window.inner_size();
         // Querying whether it is maximised is a request to the window system: only done when the answer may have
@@ -478,7 +478,7 @@ impl ApplicationHandler<Message> for App {
 
     fn window_event(&mut self, event_loop: &ActiveEventLoop, _window: WindowId, event: WindowEvent) {
         if matches!(event, WindowEvent::RedrawRequested) {
-            // A redraw that was not requested here comes from the window system, which has lost what was shown.
+            // A redraw that was not requested here comes from the window system, which has lost the contents.
             self.is_exposed |= !std::mem::take(&mut self.is_redraw_queued);
             self.redraw(event_loop);
             return;
@@ -574,8 +574,8 @@ impl ApplicationHandler<Message> for App {
     }
 }
 
-/// A size that the screen has room for: not every window manager sees to that. Where several are, or none is known,
-/// the largest decides.
+/// A size that fits the screen: not every window manager ensures that. With several screens, or an unknown one, the
+/// largest decides.
 fn within_screen(event_loop: &ActiveEventLoop, size: LogicalSize<f64>) -> LogicalSize<f64> {
     let screens = event_loop.available_monitors();
     let rooms = screens.map(|screen| screen.size().to_logical::<f64>(screen.scale_factor()));

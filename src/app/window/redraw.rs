@@ -1,9 +1,8 @@
-//! One redraw: panels, picture, and both onto the screen.
+//! One redraw: panels, image, and both onto the screen.
 //!
-//! **How it works.** Each of the three is done only if it is due. Panels run when somebody has done something, when
-//! egui asks for it, and while frames play often enough for the eye to follow the playhead; frames between replace the
-//! picture alone. The picture is drawn if its packet differs from the last one. Presenting does what these two have
-//! left to do, which may be nothing.
+//! **How it works.** Each of the three is done only if it is due. Panels run after user input, when egui asks for it,
+//! and while frames play often enough for the eye to follow the playhead; frames between replace the image alone. The
+//! image is drawn if its packet differs from the last one. Presenting shows the results of both, if there are any.
 
 use super::{App, AppError, NEWS_INTERVAL, OpenWindow};
 use crate::app::focus;
@@ -21,7 +20,7 @@ use std::time::{Duration, Instant};
 use winit::event_loop::ActiveEventLoop;
 use winit::window::Fullscreen;
 
-/// While frames play, the playhead on the timeline moves so often; the picture at the rate of the frames.
+/// Update interval of the playhead on the timeline while frames play; the image follows the frame rate.
 const PANELS_INTERVAL: Duration = Duration::from_millis(33);
 
 /// Destinations of images to be read back.
@@ -34,7 +33,7 @@ struct ReadBack {
 }
 
 impl App {
-    /// Runs the panels, draws the picture if it is another one, and shows both.
+    /// Runs the panels, draws the image if it is another one, and shows both.
     pub(super) fn redraw(&mut self, event_loop: &ActiveEventLoop) {
         let Some(mut screen) = self.screen.take() else {
             return;
@@ -115,7 +114,7 @@ impl App {
         self.take_screenshot_if_due(event_loop, screen)
     }
 
-    /// Reads pictures back and hands them to whom they are for.
+    /// Reads images back and hands them to their consumers.
     fn read_back(&mut self, screen: &mut OpenWindow, wanted: ReadBack) -> Result<(), RenderError> {
         if wanted.comparison
             && let Some(other) = screen.presenter.read(Side::B, self.state.viewport.other_size_px)?
@@ -147,7 +146,7 @@ impl App {
         }
     }
 
-    /// Says in the log when the program first shows a picture, and when more of its frame.
+    /// Logs when the program first shows an image, and later stages of its frame.
     fn tell_of_stage(&mut self) {
         let stage = self.state.picture_stage();
         if stage != self.stage_shown
@@ -233,7 +232,7 @@ impl App {
         Ok(Some(self.state.joined(image, other)))
     }
 
-    /// Does what only the window can do; returns what pictures are to be read back for.
+    /// Handles requests that only the window can; returns the purpose of images to be read back.
     fn requests(&mut self, event_loop: &ActiveEventLoop, screen: &mut OpenWindow) -> ReadBack {
         let mut wanted = ReadBack::default();
         for request in self.state.take_requests() {
@@ -258,7 +257,7 @@ impl App {
         wanted
     }
 
-    /// `--screenshot`: writes the picture after enough frames and ends.
+    /// `--screenshot`: writes the image after enough frames and ends.
     fn take_screenshot_if_due(
         &mut self,
         event_loop: &ActiveEventLoop,
@@ -275,7 +274,7 @@ impl App {
         let Some(player) = &self.state.player else {
             return Ok(());
         };
-        // When not playing there is no second frame to wait for.
+        // When not playing there is no other frame to wait for.
         let wanted = if player.is_playing() {
             self.options.after_frames
         } else {

@@ -10,7 +10,7 @@ const MOVE_INTERVAL: Duration = Duration::from_millis(8);
 /// Once around, or once there and back.
 const ROUND: Duration = Duration::from_secs(2);
 
-/// The way of the pointer.
+/// The path of the pointer.
 #[derive(Debug, Clone, Copy)]
 enum Way {
     /// Circular drag around the centre of a rectangle.

@@ -1,10 +1,10 @@
-//! A window that plays, orbits and scrubs by itself, and records what it presented (`pointreel bench window`).
+//! A window that plays, orbits and scrubs by itself, and records the presented images (`pointreel bench window`).
 //!
-//! **How it works.** A trial is a list of steps, an action with a primitive on a sequence. The event loop asks it what
-//! is due ([`WindowBench::advance`]) and passes its mouse events to egui as if they had come from the window system;
-//! after each redraw it is notified of what was presented ([`WindowBench::note`]). An event is timestamped with the
-//! instant at which it was due, so one that waits while an image is drawn is as late as a real one would be. Everything
-//! else is the window as users have it: same loop, same panels, same pacing.
+//! **How it works.** A benchmark is a list of steps, each an action with a primitive on a sequence. The event loop runs
+//! its due steps ([`WindowBench::advance`]) and passes its mouse events to egui as if they had come from the window
+//! system; after each redraw it is notified of the presented image ([`WindowBench::note`]). An event is timestamped
+//! with the instant at which it was due, so one that waits while an image is drawn is as late as a real one would be.
+//! Everything else is the window as users have it: same loop, same panels, same pacing.
 
 mod gesture;
 mod processor;
@@ -69,10 +69,10 @@ enum Phase {
     Settling { still_since: Duration },
     Running {
         gesture: Option<Gesture>,
-        /// When the window began to show what is measured.
+        /// Time at which the window began to show the measured content.
         begin: Duration,
     },
-    /// The mouse was let go; the picture of all points has not come.
+    /// The mouse was released; the image of all points has not been presented yet.
     Resting { since: Duration },
 }
 
@@ -85,14 +85,14 @@ struct Watched {
     found: WindowAction,
     processor: Processor,
     gpu: GpuWork,
-    /// When events were due whose picture has not been presented.
+    /// Due times of events whose image has not been presented.
     pending: Vec<Duration>,
     pictures_before: u64,
     panel_runs_before: u64,
     frames_before: u64,
 }
 
-/// The steps of a trial and what came of them.
+/// The steps of a benchmark and their results.
 #[derive(Debug)]
 pub(super) struct WindowBench {
     inputs: Vec<Input>,
@@ -157,7 +157,7 @@ impl WindowBench {
         })
     }
 
-    /// Does what is due at `now`; returns what the mouse does.
+    /// Runs the steps due at `now`; returns mouse events.
     pub(super) fn advance(&mut self, now: Duration, state: &mut State) -> Vec<Event> {
         let Some(watched) = &mut self.watched else {
             if let Some(step) = self.steps.pop_front() {
@@ -252,7 +252,7 @@ impl WindowBench {
         watched
     }
 
-    /// Takes notice of a redraw that ended at `now`. True if the trial has something to do.
+    /// Records a redraw that ended at `now`. True if the benchmark has something to do.
     pub(super) fn note(&mut self, redraw: &Redraw, is_presented: bool, now: Duration, state: &State) -> bool {
         let Some(watched) = &mut self.watched else {
             return false;
@@ -372,7 +372,7 @@ impl Watched {
         false
     }
 
-    /// Takes notice of a presented picture of what is being opened.
+    /// Records a presented image of the sequence being opened.
     fn note_opened(&mut self, now: Duration, state: &State) {
         let Some(stage) = state.picture_stage() else {
             return;

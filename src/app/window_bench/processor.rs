@@ -1,4 +1,4 @@
-//! The program's processor time, by what its threads are for.
+//! The program's CPU time, by the purpose of its threads.
 
 use std::collections::HashMap;
 use std::time::Duration;
@@ -34,7 +34,7 @@ impl ThreadRole {
     }
 }
 
-/// Processor time of the program and of its threads, since each began.
+/// CPU time of the program and of its threads, since each began.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(in crate::app) struct Processor {
     all_ms: f64,
@@ -42,7 +42,7 @@ pub(in crate::app) struct Processor {
     threads: HashMap<Pid, (ThreadRole, f64)>,
 }
 
-/// Processor time of a while, milliseconds.
+/// CPU time of an interval, milliseconds.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[expect(clippy::struct_field_names, reason = "names carry their unit")]
 pub(super) struct Used {
@@ -106,7 +106,7 @@ impl Processor {
         Some(used)
     }
 
-    /// Time since the program was started, to a hundredth of a second; `None` where the system does not tell.
+    /// Time since the program was started, to a hundredth of a second; `None` where the system does not report it.
     pub(in crate::app) fn since_start() -> Option<Duration> {
         /// Clock ticks per second in which Linux reports process times, on all of its machines.
         const TICKS_PER_SECOND: f64 = 100.0;
@@ -126,7 +126,7 @@ impl Processor {
         }
     }
 
-    /// The most memory of the program that was in the machine's at once; `None` where the system does not tell.
+    /// The most memory of the program that was in the machine's at once; `None` where the system does not report it.
     pub(super) fn peak_resident_bytes() -> Option<u64> {
         let status = std::fs::read_to_string("/proc/self/status").ok()?;
         let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

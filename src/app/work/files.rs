@@ -1,4 +1,4 @@
-//! Files that are written on a thread: pictures and reports.
+//! Files that are written on a thread: images and reports.
 
 use super::tasks::TaskFailed;
 use crate::export::{PictureFormat, encode_picture};
@@ -15,7 +15,7 @@ pub struct SavedFile(pub PathBuf);
 /// Destination of an image.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::app) enum PicturePlace {
-    /// This file, which is replaced if it is there: the person was asked.
+    /// This file, which is replaced if it exists: the user was asked.
     File(PathBuf),
     /// A new file.
     New {
@@ -50,7 +50,7 @@ fn cannot_write(path: &Path, reason: &dyn std::fmt::Display) -> String {
     )
 }
 
-/// Writes a picture in the format of its name, replacing the file as a whole.
+/// Writes an image in the format of its name, replacing the file as a whole.
 pub(in crate::app) fn save_image(image: &image::RgbaImage, path: &Path) -> Result<(), String> {
     let format = PictureFormat::of_name(path).map_err(|refused| refused.to_string())?;
     let written = write_whole_with(path, |file| {
@@ -105,7 +105,7 @@ pub(in crate::app) fn with_extension(path: PathBuf, extension: &str) -> PathBuf 
     }
 }
 
-/// The person's folder of pictures if the system has one, else where the program was started.
+/// The user's Pictures folder if the system has one, else the working directory.
 pub(in crate::app) fn picture_folder() -> PathBuf {
     directories::UserDirs::new()
         .and_then(|folders| folders.picture_dir().map(PathBuf::from))
@@ -114,7 +114,7 @@ pub(in crate::app) fn picture_folder() -> PathBuf {
         .unwrap_or_default()
 }
 
-/// The person's folder of documents if the system has one, else where the program was started.
+/// The user's Documents folder if the system has one, else the working directory.
 pub(in crate::app) fn document_folder() -> PathBuf {
     directories::UserDirs::new()
         .and_then(|folders| folders.document_dir().map(PathBuf::from))

@@ -1,4 +1,4 @@
-//! Long work: tasks on threads of their own, files that they write, and the bars that say how far they are.
+//! Long-running work: tasks on their own threads, files that they write, and their progress bars.
 
 pub(super) mod files;
 pub(super) mod outcome;

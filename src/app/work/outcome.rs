@@ -3,7 +3,7 @@
 use super::tasks::TaskFailed;
 use std::any::{Any, type_name};
 
-/// A type that a task comes to. Declared next to the type; nothing else lists it.
+/// A result type of a task. Declared next to the type; nothing else lists it.
 pub trait Message: Send + 'static {}
 
 impl Message for TaskFailed {}

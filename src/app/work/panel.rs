@@ -1,4 +1,4 @@
-//! Bars of the long work that is under way, below the notices.
+//! Progress bars of long-running work, below the notices.
 
 use super::works::{Work, WorkKind};
 use crate::app::work::works::left_text;

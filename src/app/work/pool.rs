@@ -1,15 +1,15 @@
-//! Threads that prepare what is drawn later.
+//! Threads that prepare frames that are drawn later.
 
 use crate::priority;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-/// Threads that go behind those that draw. There are none until somebody has work for them.
+/// Threads with a lower priority than those that draw. They are created on demand.
 #[derive(Debug, Default)]
 pub(in crate::app) struct PoolBehindDrawing(Option<ThreadPool>);
 
 impl PoolBehindDrawing {
-    /// As many as `threads`, or one for each processor with 0, all of them called `name`; `None` where the system has
-    /// no more.
+    /// A pool of `threads` threads, or one per CPU with 0, all of them called `name`; `None` where the system has no
+    /// more.
     pub(in crate::app) fn get(&mut self, name: &'static str, threads: usize) -> Option<&ThreadPool> {
         if self.0.is_none() {
             self.0 = ThreadPoolBuilder::new()

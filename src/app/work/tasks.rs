@@ -1,8 +1,8 @@
-//! Tasks on threads of their own.
+//! Tasks on their own threads.
 //!
-//! **How it works.** What a task comes to is made into the one type `T` that the window understands, and goes through
-//! one bounded channel; then the window is woken. Each feature knows only what its own tasks come to, and asks that `T`
-//! can be made of that; the window's is [`super::outcome::Outcome`].
+//! **How it works.** The result of a task is converted into the one type `T` that the window understands, and goes
+//! through one bounded channel; then the window is woken. Each feature knows only the results of its own tasks, and
+//! requires that `T` can be made of them; the window's is [`super::outcome::Outcome`].
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -15,7 +15,7 @@ pub type Wake = Arc<dyn Fn() + Send + Sync>;
 /// Outcomes that wait for the window; a task that finds it full waits in its own thread.
 const CHANNEL_LENGTH: usize = 64;
 
-/// A task failed; the text says which and why, for the person.
+/// A task failed; the text names it and the reason, for the user.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TaskFailed(pub String);
 
@@ -24,7 +24,7 @@ pub trait TaskOutcome: From<TaskFailed> + Send + 'static {}
 
 impl<T: From<TaskFailed> + Send + 'static> TaskOutcome for T {}
 
-/// Starts tasks and collects what they come to.
+/// Starts tasks and collects their results.
 pub struct Tasks<T> {
     sender: SyncSender<T>,
     receiver: Receiver<T>,
@@ -92,7 +92,7 @@ impl<T: TaskOutcome> Tasks<T> {
         });
     }
 
-    /// Runs `task` on a thread of `pool`, where what it shares out stays.
+    /// Runs `task` on a thread of `pool`, where the work that it distributes stays.
     pub(in crate::app) fn start_in<O>(&self, pool: &rayon::ThreadPool, task: impl FnOnce() -> O + Send + 'static)
     where
         T: From<O>,
@@ -120,7 +120,7 @@ impl<T: TaskOutcome> Tasks<T> {
     }
 }
 
-/// Drops `value` on a thread: what it waits for in dropping does not hold the window up.
+/// Drops `value` on a thread, so that waits in its destructor do not block the window.
 pub(in crate::app) fn close(value: impl Send + 'static) {
     let started = thread::Builder::new()
         .name("close sequence".to_owned())

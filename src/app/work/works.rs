@@ -1,8 +1,8 @@
 //! Progress of long-running work: a bar with the remaining time, and cancellation.
 //!
-//! **How it works.** The worker thread reports through a [`Progress`] how much of the work is done; the window looks
-//! when it is woken, and measures the pace between the first and the last time that it saw something done. Preparation,
-//! such as opening a GPU device, does not count towards the pace. The work is over when its thread has dropped the
+//! **How it works.** The worker thread reports the finished part of the work through a [`Progress`]; the window checks
+//! it when it is woken, and measures the rate between the first and the last observed step. Preparation, such as
+//! opening a GPU device, does not count towards the rate. The work is over when its thread has dropped the
 //! [`Progress`].
 
 pub use crate::progress::Progress;
@@ -12,8 +12,7 @@ use std::time::Duration;
 /// Work that takes less shows no bar, which would only flash.
 const UNSEEN: Duration = Duration::from_millis(300);
 
-/// Delay before the reading of an awaited frame is shown as work: those who step through slow frames know that they
-/// come.
+/// Delay before the reading of an awaited frame is shown as work: users who step through slow frames expect them.
 const UNSEEN_READING: Duration = Duration::from_secs(1);
 
 /// Kinds of long work.
@@ -23,7 +22,7 @@ pub enum WorkKind {
     Open,
     /// A frame is being read.
     Read,
-    /// A picture or a video is being written.
+    /// An image or a video is being written.
     Export,
     /// A sequence is being saved.
     Save,
@@ -52,7 +51,7 @@ pub struct Work {
 }
 
 impl Work {
-    /// Work that begins at `now`, and what its thread reports through.
+    /// Work that begins at `now`, and the progress for its thread.
     pub fn begin(kind: WorkKind, name: String, now: Duration) -> (Self, Progress) {
         let progress = Progress::default();
         (Self::of(kind, name, progress.clone(), now), progress)
@@ -74,13 +73,13 @@ impl Work {
         &self.progress
     }
 
-    /// The share of it that is done, 0 to 1; `None` while nobody knows.
+    /// The finished share of it, 0 to 1; `None` while unknown.
     pub fn share(&self) -> Option<f32> {
         let of = self.progress.of()?;
         Some((self.progress.done() as f32 / of as f32).min(1.0))
     }
 
-    /// Takes notice at `now` of what is done.
+    /// Checks the progress at `now`.
     pub fn look(&mut self, now: Duration) {
         let done = self.progress.done();
         let seen = ProgressMark { at: now, done };
@@ -129,7 +128,7 @@ impl Work {
 }
 
 impl Drop for Work {
-    /// Nobody waits for it any more.
+    /// Cancels the work: its result is no longer needed.
     fn drop(&mut self) {
         self.progress.cancel();
     }
@@ -142,7 +141,7 @@ pub struct Works {
 }
 
 impl Works {
-    /// Notes work that begins at `now`; its thread reports through what is returned.
+    /// Adds work that begins at `now`; its thread reports through the returned progress.
     pub fn begin(&mut self, kind: WorkKind, name: String, now: Duration) -> Progress {
         let (work, progress) = Work::begin(kind, name, now);
         self.list.push(work);
@@ -181,8 +180,7 @@ impl Works {
         }
     }
 
-    /// Takes notice at `now` of what is done, and forgets what has ended. True if something is no longer shown that
-    /// was, or begins to be.
+    /// Checks the progress at `now`, and forgets finished work. True if a bar appears or disappears.
     pub(in crate::app) fn look(&mut self, before: Duration, now: Duration) -> bool {
         let is_shown = |works: &[Work], at| works.iter().filter(|work| work.is_long(at)).count();
         let shown_before = is_shown(&self.list, before);
@@ -200,7 +198,7 @@ impl Works {
     }
 }
 
-/// The time left as a person reads it.
+/// The time left as display text.
 pub(in crate::app) fn left_text(left: Option<Duration>) -> String {
     let Some(left) = left else {
         return "…".to_owned();
@@ -222,7 +220,7 @@ mod tests {
         Duration::from_secs_f64(seconds)
     }
 
-    /// Work of `of` steps of which `done` are done at some seconds.
+    /// Work of `of` steps, with the numbers done at some seconds.
     fn work(of: usize, steps: &[(f64, usize)]) -> Work {
         let (mut work, progress) = Work::begin(WorkKind::Export, "Work".to_owned(), at(0.0));
         for &(seconds, done) in steps {

@@ -1,4 +1,4 @@
-//! Rows of labels and numbers, and what their columns are called.
+//! Rows of labels and numbers, and the names of their columns.
 
 use serde::ser::{Serialize, Serializer};
 
@@ -15,9 +15,9 @@ enum Format {
 pub struct Column {
     /// Its name in JSON and CSV; carries the unit.
     pub key: &'static str,
-    /// Its name for people.
+    /// Its display name.
     pub title: &'static str,
-    /// False for what only files show.
+    /// False for columns in files only.
     pub is_shown: bool,
     format: Format,
 }

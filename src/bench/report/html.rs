@@ -1,5 +1,5 @@
-//! The report of the error lab as one page: a plot of time against error, the pictures and the errors behind each
-//! point, and the table. Everything is in the file; it asks nobody for anything.
+//! The report of the error lab as one page: a plot of time against error, the images and the errors behind each point,
+//! and the table. The file is self-contained: no network access.
 
 use super::{Cell, Report};
 use crate::bench::LabPoint;
@@ -63,7 +63,7 @@ fn point_data(point: &LabPoint, truth: Option<&Cell>, details: &[Value]) -> Valu
     })
 }
 
-/// A picture as an address that holds it; empty if it cannot be encoded, which only a picture without pixels cannot.
+/// An image as a data URL; empty if it cannot be encoded, which happens only without pixels.
 fn data_url(image: &RgbaImage) -> String {
     let mut png = Cursor::new(Vec::new());
     match image.write_to(&mut png, ImageFormat::Png) {

@@ -26,7 +26,7 @@ pub struct Table {
 /// Summary of a sequence as a whole.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct SequenceSummary {
-    /// As named by who started the run.
+    /// Name given by the user who started the run.
     pub name: String,
     /// Frames it has.
     pub frames: usize,
@@ -34,7 +34,7 @@ pub struct SequenceSummary {
     pub measured_frames: usize,
     /// Mean number of points of these.
     pub mean_points: f64,
-    /// Coverage of all viewpoints of all of these, by what the suite draws; by surfels where it draws nothing.
+    /// Coverage of all viewpoints of all of these, by the suite's primitive; by surfels where it draws nothing.
     pub coverage: Option<Coverage>,
 }
 
@@ -43,7 +43,7 @@ pub struct SequenceSummary {
 pub struct Report {
     /// Options of the measurement.
     pub options: BenchOptions,
-    /// On what.
+    /// Hardware and build.
     pub environment: Environment,
     /// Each sequence in the order of the inputs.
     pub sequences: Vec<SequenceSummary>,
@@ -53,7 +53,7 @@ pub struct Report {
     pub notes: Vec<String>,
     /// Compared render modes, one per row; empty for suites that compare none.
     pub points: Vec<LabPoint>,
-    /// The ways to keep frames that were compared, one a row; empty for suites that compare none.
+    /// The compared encodings of frames, one per row; empty for suites that compare none.
     pub rates: Vec<RatePoint>,
 }
 
@@ -75,7 +75,7 @@ impl Report {
         self.options.suite
     }
 
-    /// All columns, in the order of the cells of a row; those with [`Column::is_shown`] are for people.
+    /// All columns, in the order of the cells of a row; those with [`Column::is_shown`] are displayed.
     pub fn all_columns(&self) -> &'static [Column] {
         self.suite().columns
     }
@@ -114,7 +114,7 @@ impl Report {
         }
     }
 
-    /// The instancing strategy whose picture took the least time, and that time in milliseconds: the mean of the
+    /// The instancing strategy whose image took the least time, and that time in milliseconds: the mean of the
     /// sequences, where strategies were compared. `None` where there was only one.
     pub fn fastest_strategy(&self) -> Option<(Strategy, f64)> {
         let mean_ms = |strategy: &Strategy| {
@@ -163,7 +163,7 @@ impl Report {
             .collect()
     }
 
-    /// Rows as CSV under the keys of all columns; what is the same for all rows comes first.
+    /// Rows as CSV under the keys of all columns; values common to all rows come first.
     pub fn to_csv(&self) -> String {
         let [width, height] = self.options.viewport_px;
         let mut writer = csv::Writer::from_writer(Vec::new());
@@ -196,7 +196,7 @@ impl Report {
         serde_json::to_string_pretty(self).unwrap_or_default()
     }
 
-    /// Columns of a table for people, with their place in a row: those that some row of it fills.
+    /// Displayed columns of a table, with their place in a row: those that some row of it fills.
     fn shown(&self, table: &str) -> impl Iterator<Item = (usize, &'static Column)> {
         self.all_columns().iter().enumerate().filter(move |&(index, column)| {
             let is_filled = |row: &Row| row.cells.get(index).is_some_and(|cell| *cell != Cell::Missing);

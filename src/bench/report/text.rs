@@ -1,4 +1,4 @@
-//! A report for the terminal: how it was measured, what that does not include, and aligned tables.
+//! A report for the terminal: the protocol, its limits, and aligned tables.
 
 use super::Report;
 use crate::bench::suite::Defaults;
@@ -25,7 +25,7 @@ impl Report {
         text
     }
 
-    /// Returns the header of the report: what a reader must know before reading a number.
+    /// Returns the header of the report: the context of its numbers.
     pub fn header(&self) -> String {
         let mut lines = self.protocol_lines();
         lines.extend(self.sequence_lines());
@@ -33,7 +33,7 @@ impl Report {
         lines.join("\n") + "\n"
     }
 
-    /// Returns the protocol of the measurement: what was measured, on what, and how.
+    /// Returns the protocol of the measurement: subject, hardware and method.
     fn protocol_lines(&self) -> Vec<String> {
         let BenchOptions {
             suite,
@@ -75,7 +75,7 @@ impl Report {
         lines
     }
 
-    /// Returns the notes on what may be misleading.
+    /// Returns the notes on possibly misleading numbers.
     fn note_lines(&self) -> impl Iterator<Item = String> {
         let wanted = Defaults::PROTOCOL_VIEWPOINTS;
         let is_short = self.suite().is_of_paper && self.options.viewpoints < wanted;

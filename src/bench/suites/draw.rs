@@ -1,9 +1,9 @@
-//! Tables II and IV: what one picture takes by each instancing strategy, for surfels and for voxels; without an
-//! adapter, on the processor.
+//! Tables II and IV: time of an image by each instancing strategy, for surfels and for voxels; without an adapter, on
+//! the CPU.
 //!
-//! All strategies see the same frames from the same viewpoints, in turn for each frame, so that a machine that slows
-//! down meanwhile slows all of them. For each: one record is drawn (which compiles pipelines), the streams are uploaded
-//! and timed, warm-up rounds are drawn, then the rounds that count.
+//! All strategies see the same frames from the same viewpoints, in turn for each frame, so that a slowdown of the
+//! machine affects all of them. For each: one record is drawn (which compiles pipelines), the streams are uploaded and
+//! timed, warm-up rounds are drawn, then the rounds that count.
 
 use super::paper_style::{surfel_style, voxel_style};
 use crate::bench::report::{Cell, Column, Row};
@@ -24,7 +24,7 @@ fn variants(run: &Run<'_>) -> Vec<Option<Strategy>> {
     Strategy::ALL.iter().copied().map(Some).collect()
 }
 
-/// The name of a way in a report.
+/// The name of a strategy in a report.
 fn name_of(way: Option<Strategy>) -> &'static str {
     way.map_or("processor", Strategy::name)
 }
@@ -165,7 +165,7 @@ fn measure_sequence(
     Ok(())
 }
 
-/// A packet with a visible set of its own: each viewpoint keeps its voxels resident.
+/// A packet with its own visible set: each viewpoint keeps its voxels resident.
 fn packet(
     run: &Run<'_>,
     subject: &Subject<'_>,

@@ -1,14 +1,14 @@
 //! Table 2 of Sainz and Pajarola 2004: level-of-detail structures from three distances.
 //!
 //! **How it works.** Clouds of a torus with the requested numbers of points are measured in addition to the inputs.
-//! Each step turns around the object by 2°, as in the paper (§6.1). From each step a structure is cut and what is drawn
-//! of it is determined (LOD time), that is uploaded, and the image is drawn. All structures take their turn at a view
-//! before the next step, so that what slows the machine down slows all of them. *none* draws all points as they are,
-//! which are resident. Records of all nodes are resident as well, once a structure has written that many: mostly before
-//! the rounds that are counted.
+//! Each step turns around the object by 2°, as in the paper (§6.1). In each step a structure is cut and its records are
+//! selected (LOD time) and uploaded, and the image is drawn. All structures take their turn at a view before the next
+//! step, so that a slowdown of the machine affects all of them. *none* draws all points as they are, which are
+//! resident. Records of all nodes are resident as well, once a structure has written that many: mostly before the
+//! rounds that are counted.
 //!
-//! The paper drew points on the hardware of 2004; its times are listed next to ours for their ratios, not for
-//! themselves.
+//! The paper drew points on the hardware of 2004; its times are listed next to ours for their ratios, not as absolute
+//! times.
 
 use super::paper_style::surfel_style;
 use super::pass_samples::PassSamples;
@@ -27,7 +27,7 @@ use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 const STRUCTURE_TABLE: &str = "structures";
 const PASS_TABLE: &str = "passes";
 
-/// Columns of both tables; the first says which one a row belongs to.
+/// Columns of both tables; the first names the table of a row.
 const COLUMNS: &[Column] = &[
     Column::text(Column::TABLE, "table"),
     Column::text("sequence", "sequence"),
@@ -272,7 +272,7 @@ impl Measured {
         frame: &PreparedFrame,
         structure: LevelStructure,
     ) -> Result<Subjected, BenchError> {
-        // Whether records of all nodes stay on the adapter depends on the renderer.
+        // The residency of all nodes' records depends on the renderer.
         let style = style(structure).drawn_by(run.runner.is_processor());
         let needs = Scene::needs(&style);
         let build = || complete(frame, &needs, &PrepareCounters::default());
@@ -374,7 +374,7 @@ impl Samples {
 }
 
 impl Subjected {
-    /// One picture; what it took goes to `samples`.
+    /// Draws one image; its times go to `samples`.
     fn measure(
         &mut self,
         run: &mut Run<'_>,

@@ -1,4 +1,4 @@
-//! The table of suites: the paper's tables in their order, then what is beyond them.
+//! The table of suites: the paper's tables in their order, then further ones.
 //!
 //! A suite is a file here, which has its [`Suite`] and its loop, and a row.
 
@@ -42,7 +42,7 @@ use super::run::Run;
 use super::suite::Suite;
 use crate::messages::listed;
 
-/// Adds the rows of what it measures to the report of a run.
+/// Adds its rows to the report of a run.
 type Measure = fn(&mut Run<'_>) -> Result<(), BenchError>;
 
 const TABLE: &[(&Suite, Measure)] = &[
@@ -75,7 +75,7 @@ pub fn named(name: &str) -> Result<&'static Suite, ParseSuiteError> {
     named.ok_or_else(|| ParseSuiteError(name.to_owned()))
 }
 
-/// Measures what the options of `run` ask for.
+/// Measures the suite that the options of `run` select.
 pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
     let wanted = run.options.suite;
     let row = TABLE.iter().find(|(suite, _)| *suite == wanted);

@@ -1,13 +1,13 @@
-//! Table III: what an octree of an acceptable loss δ looks like, and what building and traversing it takes.
+//! Table III: size of an octree of an acceptable loss δ, and times to build and traverse it.
 //!
 //! **How it works.** Frames hold their points in Morton order, in which there is nothing to sort. So builds are
-//! measured from both orders: that of the file, which is worked out again from the places that points had there, as a
-//! cloud that was just read has them; and Morton order. Each is measured on one thread, as the paper's are, and on all.
-//! The four ways take turns, so that what slows the machine down slows all of them. A time is that of the thread that
-//! asks: the way into the pool and back is part of it, freeing the octree is not.
+//! measured from both orders: file order, restored from the file indices of points, as in a cloud that was just read;
+//! and Morton order. Each is measured on one thread, as in the paper, and on all. The four variants take turns, so that
+//! a slowdown of the machine affects all of them. Times are measured on the calling thread: including the dispatch to
+//! the pool and back, excluding the release of the octree.
 //!
-//! Traversals run on all threads, and on one as the paper's do. Each fills memory that the one before it left, as playing
-//! does; the viewpoints are those from which surfels cover 25 to 85 % of the image.
+//! Traversals run on all threads, and on one as the paper's do. Each reuses the memory of the one before it, as in
+//! playback; the viewpoints are those from which surfels cover 25 to 85 % of the image.
 
 use super::paper_style::surfel_style;
 use super::traversals::Traversals;
@@ -158,7 +158,7 @@ struct OctreeSamples {
     depth: Vec<f64>,
     nodes: Vec<f64>,
     leaves: Vec<f64>,
-    /// By [`WAYS`].
+    /// Indexed by [`WAYS`].
     build_ms: [Vec<f64>; WAYS.len()],
     traversals: Traversals,
     one_thread_traversals: Traversals,
@@ -178,7 +178,7 @@ fn one_thread() -> Result<ThreadPool, BenchError> {
 }
 
 fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>, one_thread: &ThreadPool) -> Result<(), BenchError> {
-    // Only what is needed to place viewpoints; octrees are built while the clock runs.
+    // Only the needs of placing viewpoints; octrees are built while the clock runs.
     let needs = Scene::needs(&surfel_style());
     let mut samples: Vec<OctreeSamples> = DELTAS.iter().map(|_| OctreeSamples::default()).collect();
     let (mut point_counts, mut coverages) = (Vec::new(), Vec::new());
@@ -218,7 +218,7 @@ fn measure_sequence(run: &mut Run<'_>, subject: &Subject<'_>, one_thread: &Threa
     Ok(())
 }
 
-/// As many builds of each way as there are traversals.
+/// Measures the builds, each variant as often as there are traversals.
 fn measure_builds(
     run: &Run<'_>,
     beginnings: &Beginnings<'_>,

@@ -1,4 +1,4 @@
-//! The GPU times of passes over many pictures, as suites collect and report them.
+//! The GPU times of passes over many images, as suites collect and report them.
 
 use crate::bench::Quantiles;
 use crate::render::PassTimes;
@@ -10,7 +10,7 @@ pub(super) struct PassSamples {
 }
 
 impl PassSamples {
-    /// Adds those of one picture. Passes of one name are summed up, as `compute` amplifies several times.
+    /// Adds the times of one image. Passes of one name are summed up, as `compute` amplifies several times.
     pub(super) fn add(&mut self, times: &PassTimes) {
         let mut of_picture: Vec<(&'static str, f64)> = Vec::new();
         for time in times.iter() {

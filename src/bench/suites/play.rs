@@ -1,11 +1,10 @@
-//! Playing a sequence as the window does, by the clock, and counting what a person would see.
+//! Real-time playback of a sequence as in the window, counting the frames that a user would see.
 //!
-//! How it works: a player with a loader of its own is asked at each deadline, and whenever the loader has something
-//! new, which frame to show; each picture is drawn at once, by the processor where the window would let it draw.
-//! Nothing is shown, so a picture costs what drawing it costs. The loop ends when as many frames were shown as were
-//! asked for.
+//! How it works: a player with its own loader determines the frame to show at each deadline, and whenever the loader
+//! has something new; each image is drawn at once, by the CPU where the window would choose it. Nothing is presented,
+//! so an image costs only its drawing. The loop ends after the requested number of frames.
 //!
-//! What it shows: whether the rate is held, what it costs in points where it is, and whether memory stays where it was.
+//! Results: if the frame rate is held, at what cost in points, and if memory use is stable.
 
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::run::Run;
@@ -42,7 +41,7 @@ const COLUMNS: &[Column] = &[
     Column::number("resident_end_mib", "end", 0),
 ];
 
-/// Playing by the clock: what rate is held, with how many points, in how much memory.
+/// Real-time playback: achieved frame rate, number of points, memory use.
 pub const PLAY: &Suite = &Suite {
     name: "play",
     brief: "achieved playback rate, without a window",
@@ -73,7 +72,7 @@ pub const PLAY: &Suite = &Suite {
 
 const PRIMITIVES: [Primitive; 3] = [Primitive::Point, Primitive::Surfel, Primitive::Voxel];
 
-/// Frames between two looks at memory.
+/// Frames between two measurements of memory.
 const LOOK_EVERY: u64 = 64;
 
 pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
@@ -115,7 +114,7 @@ struct Played {
     resident_bytes: [u64; 3],
 }
 
-/// Plays until as many frames were shown as are wanted, or none can be.
+/// Plays until the requested number of frames was shown, or none can be.
 fn play(run: &Run<'_>, subject: &Subject<'_>, style: &Style) -> Result<Played, BenchError> {
     let (wake, woken) = sync_channel(1);
     let options = loader_options(run.options.budget_bytes, wake);
@@ -249,7 +248,7 @@ impl<'a> PlayedPictures<'a> {
         })
     }
 
-    /// Milliseconds from the frame to its finished picture.
+    /// Milliseconds from the frame to its finished image.
     fn draw(&mut self, frame: &PreparedFrame) -> Result<f64, BenchError> {
         let subject = self.subject;
         let camera = self.camera.get_or_insert_with(|| subject.framing(frame));

@@ -1,14 +1,14 @@
-//! Fig. 5 and Table 1 of Sainz and Pajarola 2004: how fast each primitive is drawn, and how much work its shaders do.
+//! Fig. 5 and Table 1 of Sainz and Pajarola 2004: the speed of each primitive, and the work of its shaders.
 //!
 //! **How it works.** Clouds of a torus with the requested numbers of points are drawn in addition to the inputs, all of
 //! their points as each primitive, from three distances; each image turns the object by 2°. They are compared with
 //! triangles: those of the file, or of a mesh with as many vertices as the torus has points. CPU and adapter draw the
 //! same images in turn. As in the paper, a rate is the sum of all points over the sum of all times. Points of a size in
-//! the scene are about as large as the disks of surfels, so that all but single pixels cover as much. Splats are drawn
-//! as each geometry that the adapter has for them, of which the CPU needs none: there its times are equal.
+//! the scene are about as large as the disks of surfels, so that all but single pixels cover the same area. Splats are
+//! drawn with each geometry that the adapter has for them; the CPU needs none: there its times are equal.
 //!
 //! The second table has the time of each pass on the adapter's clock. The third counts what the shaders of each pass
-//! do, in naga's intermediate representation, next to what the paper counted in its instructions.
+//! do, in naga's intermediate representation, next to the instruction counts of the paper.
 
 use super::pass_samples::PassSamples;
 use super::torus_mesh::torus_mesh;
@@ -36,7 +36,7 @@ const SPEED: &str = "speed";
 const PASSES: &str = "passes";
 const COMPLEXITY: &str = "complexity";
 
-/// Columns of all tables; the first says which one a row belongs to.
+/// Columns of all tables; the first names the table of a row.
 const COLUMNS: &[Column] = &[
     Column::text(Column::TABLE, "table"),
     Column::text("sequence", "sequence"),
@@ -92,10 +92,10 @@ pub const PRIMITIVES: &Suite = &Suite {
     bar_labels: 3,
 };
 
-/// A primitive, and what makes it of the usual style.
+/// A primitive, and the change to the default style that selects it.
 type Kind = (&'static str, fn(&mut Style));
 
-/// In the order of the paper: what is simple first.
+/// In the order of the paper: simple ones first.
 const KINDS: [Kind; 17] = [
     ("pixel", |style| {
         style.primitive = Primitive::Point;
@@ -244,7 +244,7 @@ fn measure_sequence(run: &mut Run<'_>, processor: &mut Runner, subject: &Subject
     Ok(complexities.into_iter().flat_map(of_primitive).collect())
 }
 
-/// The frame with the triangles of its file; of a torus with those of a mesh of as many vertices.
+/// The frame with the triangles of its file; a torus with a mesh of the same number of vertices.
 fn with_mesh(subject: &Subject<'_>, index: usize, mut frame: PreparedFrame) -> PreparedFrame {
     let mesh = match subject.shape {
         Some(Shape::Torus) => torus_mesh(frame.points.len()).ok(),

@@ -1,10 +1,10 @@
 //! The software renderer compared with the adapter: the same images in the same minute, from three distances.
 //!
 //! How it works: the object as a whole in view, from four times as far, and from so near that most of it is outside.
-//! Both draw each view in turn, so that a machine that slows down in the meantime slows both. What is drawn is chosen
-//! before the clocks start and is resident.
+//! Both draw each view in turn, so that a slowdown of the machine affects both. Records are selected before the clocks
+//! start, and are resident.
 //!
-//! What it shows: costs that follow the cells and pixels that are seen, not those that there are.
+//! Result: costs that follow the visible cells and pixels, not their total.
 
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::run::Run;
@@ -34,7 +34,7 @@ const COLUMNS: &[Column] = &[
     Column::number("samples", "pictures", 0).hidden(),
 ];
 
-/// Drawing on the processor and on the adapter, from three distances.
+/// Drawing on the CPU and on the adapter, from three distances.
 pub const RENDER: &Suite = &Suite {
     name: "render",
     brief: "CPU compared with GPU",

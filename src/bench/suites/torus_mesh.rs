@@ -5,8 +5,8 @@ use crate::source::Shape;
 use glam::{DVec3, Vec3};
 use std::f32::consts::TAU;
 
-/// A closed grid of about so many vertices, with twice as many triangles that are about as long as wide, in the colours
-/// of the shape.
+/// A closed grid of about this many vertices, with twice that number of triangles, about as long as wide, in the
+/// colours of the shape.
 pub(super) fn torus_mesh(vertices: usize) -> Result<Mesh, CloudError> {
     let tube = Shape::TUBE;
     let around_tube = ((vertices as f32 * tube).sqrt().round() as u32).max(3);

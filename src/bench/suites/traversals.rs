@@ -19,8 +19,8 @@ pub(super) struct Traversals {
 }
 
 impl Traversals {
-    /// Adds those of one tree from every camera, in rounds, on the threads of `pool` or on all. Each fills memory that
-    /// the one before it left, as playing does.
+    /// Adds traversals of one tree from every camera, in rounds, on the threads of `pool` or on all. Each reuses the
+    /// memory of the one before it, as in playback.
     pub(super) fn measure(
         &mut self,
         run: &Run<'_>,

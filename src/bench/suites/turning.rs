@@ -1,11 +1,11 @@
-//! The views of the tests of Sainz and Pajarola 2004 §6.1: three distances, from each of which the object turns by 2° a
-//! picture.
+//! The views of the tests of Sainz and Pajarola 2004 §6.1: three distances, at each of which the object turns by 2° per
+//! image.
 
 use crate::bench::subject::Subject;
 use crate::scene::Camera;
 use crate::sequence::PreparedFrame;
 
-/// Turn from picture to picture, degrees.
+/// Rotation from image to image, degrees.
 const STEP_DEG: f64 = 2.0;
 
 /// Names, and distances as parts of the one that shows the whole object.

@@ -1,10 +1,8 @@
-//! Window responsiveness as a user sees and feels it: a real window is opened, plays, is turned and scrubbed by the
-//! clock.
+//! Window responsiveness as a user perceives it: a real window is opened, plays, orbits and scrubs in real time.
 //!
 //! How it works: the window drives itself (`app/window_bench`), since only it knows when something was presented; here
-//! its results become rows. A *picture* is counted when it has been handed to the window system. What an X server or a
-//! compositor does afterwards is work of other processes: it takes the same cores, but is not in any time or share
-//! here.
+//! its results become rows. A *image* is counted when it has been handed to the window system. The later work of an X
+//! server or a compositor is in other processes: it takes the same cores, but is not in any time or share here.
 
 use crate::bench::report::{Cell, Column, Row};
 use crate::bench::run::Run;
@@ -51,7 +49,7 @@ const COLUMNS: &[Column] = &[
     Column::number("gpu_uploaded_kib", "uploaded KiB a picture", 1).hidden(),
 ];
 
-/// A real window that plays, is turned and scrubbed: what it presents, how late, and what that costs.
+/// A real window that plays, orbits and scrubs: presented images, their latency, and their cost.
 pub const WINDOW: &Suite = &Suite {
     name: "window",
     brief: "frame rate, latency and cost of a real window",
@@ -95,7 +93,7 @@ pub struct WindowAction {
     pub fps_asked: Option<f64>,
     /// Length of the action.
     pub seconds: f64,
-    /// Pictures that were presented.
+    /// Images that were presented.
     pub pictures: u64,
     /// Runs of the panels.
     pub panel_runs: u64,
@@ -105,31 +103,31 @@ pub struct WindowAction {
     pub frames_late: u64,
     /// See [`WindowAction::frames_late`].
     pub frames_skipped: u64,
-    /// Points in pictures, and in the files of their frames.
+    /// Points in images, and in the files of their frames.
     pub points: [u64; 2],
-    /// From each event to the presented picture that follows from it.
+    /// From each event to the presented image that follows from it.
     pub latencies_ms: Vec<f64>,
-    /// From the start of the program to opening, where it is the first thing that is done.
+    /// From the start of the program to opening, where that is the first action.
     pub start_ms: Option<f64>,
-    /// From opening the sequence to its first presented picture.
+    /// From opening the sequence to its first presented image.
     pub first_ms: Option<f64>,
-    /// From opening it to the presented picture of all points.
+    /// From opening it to the presented image of all points.
     pub all_points_ms: Option<f64>,
-    /// From opening it to the presented picture of surfels, be it of those in view alone.
+    /// From opening it to the presented image of surfels, be it of those in view alone.
     pub in_view_ms: Option<f64>,
-    /// From opening it to the presented picture with all that was asked for.
+    /// From opening it to the presented image with everything requested.
     pub whole_ms: Option<f64>,
     /// Reading the file, from the system's cache, and doing nothing with it.
     pub read_ms: Option<f64>,
     /// The most memory that the program had at once while it was opened.
     pub peak_bytes: Option<u64>,
-    /// From the last event to the presented picture of all points.
+    /// From the last event to the presented image of all points.
     pub rest_ms: Option<f64>,
-    /// Processor time of all threads.
+    /// CPU time of all threads.
     pub cpu_ms: Option<f64>,
-    /// Processor time of the threads that prepare frames, of those of a driver, and of those that help to draw.
+    /// CPU time of the threads that prepare frames, of driver threads, and of threads that help to draw.
     pub cpu_ms_of: Option<[f64; 3]>,
-    /// Times of drawing, panels, painting, presenting and waiting of each picture.
+    /// Times of drawing, panels, painting, presenting and waiting of each image.
     pub parts_ms: [Vec<f64>; 5],
     /// Memory of the program at the end.
     pub resident_bytes: u64,
@@ -204,7 +202,7 @@ pub(super) fn measure(_run: &mut Run<'_>) -> Result<(), BenchError> {
     Err(BenchError::NeedsWindow)
 }
 
-/// The report of what a window found of `inputs`.
+/// The report of a window's measurements of `inputs`.
 pub fn window_report(inputs: &[Input], options: BenchOptions, actions: &[WindowAction]) -> Report {
     let mut report = Report::new(options, Environment::detect(None));
     report.sequences = inputs
@@ -237,7 +235,7 @@ pub fn window_report(inputs: &[Input], options: BenchOptions, actions: &[WindowA
     report
 }
 
-/// A report that another process wrote as JSON. `Err` is a text for the person.
+/// A report that another process wrote as JSON. `Err` is a text for the user.
 pub fn window_report_of_json(json: &str) -> Result<Report, String> {
     let no_report = |reason: &dyn std::fmt::Display| format!("the report cannot be read: {reason}");
     let read: serde_json::Value = serde_json::from_str(json).map_err(|error| no_report(&error))?;

@@ -126,7 +126,7 @@ pub(in crate::cli) struct BenchArgs {
     read: ReadArgs,
 }
 
-/// The list of suites, each with what it is.
+/// The list of suites, each with its description.
 fn help_of_suites() -> String {
     let suites = suites::all().map(|suite| format!("{suite} ({})", suite.brief));
     listed(&suites.collect::<Vec<_>>(), "or")
@@ -145,7 +145,7 @@ fn cloud_points() -> String {
     points.iter().map(usize::to_string).collect::<Vec<_>>().join(",")
 }
 
-/// Each value that suites have, with those that have it; the first says nothing of who has it.
+/// Each value of suites, with the suites that have it; the first without their names.
 fn defaults(value_of: impl Fn(&Suite) -> String) -> String {
     let mut groups: Vec<(String, Vec<String>)> = Vec::new();
     for suite in suites::all() {
@@ -163,7 +163,7 @@ fn defaults(value_of: impl Fn(&Suite) -> String) -> String {
     groups.collect::<Vec<_>>().join("; ")
 }
 
-/// Fails where an option was given for which the suite has no use.
+/// Fails if an option was given that the suite does not use.
 fn refuse_foreign_options(arguments: &BenchArgs) -> anyhow::Result<()> {
     let suite = arguments.suite;
     for (group, options, is_given) in [
@@ -305,7 +305,7 @@ fn with_photos(opened: Input, path: &Path, open: &OpenOptions, leave_out: &Exclu
     open_input(path, &open)
 }
 
-/// The name of the folder or file, which is what tells sequences apart in a table.
+/// The name of the folder or file, which distinguishes sequences in a table.
 fn sequence_name(input: &Path) -> String {
     if input == Path::new(DEMO_INPUT) {
         return "demo".to_owned();
@@ -326,12 +326,12 @@ fn write(path: Option<&Path>, text: &str) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// One line that is written over; nothing where nobody looks.
+/// One line that is overwritten; nothing if stderr is not a terminal.
 fn show_progress(step: Step) {
     let mut stderr = std::io::stderr().lock();
     if stderr.is_terminal() {
         let Step { done, total, label, .. } = step;
-        // A terminal that has gone away is not a failure.
+        // A closed terminal is not a failure.
         let _ = write!(stderr, "\r\x1b[K[{done}/{total}] {}", printable::text(&label));
         let _ = stderr.flush();
     }

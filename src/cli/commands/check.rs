@@ -1,4 +1,4 @@
-//! `pointreel check`: what may be wrong with a sequence.
+//! `pointreel check`: possible problems of a sequence.
 
 use crate::assumption::Subject;
 use crate::check::{CheckReport, Severity, check};
@@ -70,7 +70,7 @@ pub(in crate::cli) fn run(arguments: &CheckArgs, lists_all: bool) -> anyhow::Res
     })
 }
 
-/// The answer for people: findings of one kind a line, or each of them if all are to be listed, then what is known.
+/// The answer as text: one line per kind of finding, or each finding if all are to be listed, then the known facts.
 fn text(report: &CheckReport, lists_all: bool) -> String {
     let mut text = String::new();
     let messages: Vec<String> = report

@@ -1,4 +1,4 @@
-//! `pointreel compare`: how far a picture is from another one of the same size.
+//! `pointreel compare`: errors of an image compared with another one of the same size.
 
 use crate::cli::terminal::output::{answer, say};
 use crate::export::{PictureFormat, encode_picture};
@@ -13,10 +13,10 @@ use std::fs;
 use std::io::{BufReader, Cursor, ErrorKind};
 use std::path::{Path, PathBuf};
 
-/// Pixels that a picture may claim to have. 8K (7680×4320) fits; measuring takes a hundred bytes for each.
+/// Max pixels that an image may claim. 8K (7680×4320) fits; measuring takes a hundred bytes for each.
 const MAX_PIXELS: u64 = 1 << 25;
 
-/// Bytes that the decoder may use for one picture: 16-bit channels of [`MAX_PIXELS`], and as much again for its own
+/// Bytes that the decoder may use for one image: 16-bit channels of [`MAX_PIXELS`], and the same amount for its own
 /// needs.
 const MAX_DECODER_BYTES: u64 = 16 * MAX_PIXELS;
 
@@ -45,11 +45,11 @@ struct Comparison {
     reference: String,
     test: String,
     size_px: [u32; 2],
-    /// Null for equal pictures.
+    /// Null for equal images.
     psnr_db: Option<f64>,
     flip_mean: f64,
     flip_max: f64,
-    /// Null for pictures without a window.
+    /// Null for images smaller than the SSIM window.
     ssim: Option<f64>,
     different_pixels: u64,
     different_share: f64,
@@ -112,7 +112,7 @@ pub(in crate::cli) fn run(arguments: &CompareArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The answer for people.
+/// The answer as text.
 fn table(comparison: &Comparison, pixel_count: u64) -> String {
     let Comparison {
         reference,
@@ -149,7 +149,7 @@ fn table(comparison: &Comparison, pixel_count: u64) -> String {
     rows.map(|(name, value)| format!("{name:<20}{value}")).join("\n")
 }
 
-/// A PNG file as 8-bit RGBA; says so where that loses something.
+/// A PNG file as 8-bit RGBA; warns where that loses precision.
 fn read(path: &Path) -> anyhow::Result<RgbaImage> {
     let name = path.display();
     match fs::metadata(path) {
@@ -189,8 +189,7 @@ fn read(path: &Path) -> anyhow::Result<RgbaImage> {
     Ok(image)
 }
 
-/// Returns the error for a file that the decoder rejects. In one sentence: the causes of its errors repeat what these
-/// say.
+/// Returns the error for a file that the decoder rejects. In one sentence: the causes of its errors repeat the errors.
 fn unreadable(path: &Path, reason: &ImageError) -> anyhow::Error {
     let name = path.display();
     match reason {
@@ -209,7 +208,7 @@ fn too_large(path: &Path, claimed: &str) -> anyhow::Error {
     )
 }
 
-/// A heatmap must not take the place of what it is made from, nor of what is no file.
+/// A heatmap must not overwrite its inputs, nor anything that is not a file.
 fn check_target(heatmap: &Path, inputs: [&Path; 2]) -> anyhow::Result<()> {
     let name = heatmap.display();
     let metadata = fs::metadata(heatmap).ok();
@@ -226,7 +225,7 @@ fn check_target(heatmap: &Path, inputs: [&Path; 2]) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Writes a picture in the format of its name, as a whole or not at all.
+/// Writes an image in the format of its name, as a whole or not at all.
 fn write_picture(path: &Path, image: &RgbaImage) -> anyhow::Result<()> {
     let cannot = || format!("{} cannot be written", path.display());
     let format = PictureFormat::of_name(path)?;

@@ -250,8 +250,8 @@ enum NamedPlace {
 }
 
 impl NamedPlace {
-    /// By the extension of `output`. A folder is there already, or has no extension or a slash at its end. An extension
-    /// that no written format has, or another one than `format`, is refused: a file is what its name says.
+    /// The target by the extension of `output`. A folder exists already, or has no extension or a trailing slash. An
+    /// extension of no written format, or of another one than `format`, is refused: names match contents.
     fn of(output: &Path, format: Option<WriteFormat>) -> anyhow::Result<Self> {
         let text = output.to_string_lossy();
         if text == "-" {

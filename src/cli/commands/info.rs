@@ -1,4 +1,4 @@
-//! `pointreel info`: what is in the frames of a sequence, in the coordinates of the files.
+//! `pointreel info`: contents of the frames of a sequence, in the coordinates of the files.
 
 use crate::assumption::Assumption;
 use crate::check::changed_attributes;
@@ -101,9 +101,9 @@ struct TopicInfo {
 struct FrameInfo {
     index: usize,
     file: String,
-    /// The frame's own name: that of the file, and of the part where it has several.
+    /// The frame's own name: the file, and the part where it has several.
     name: String,
-    /// The file with its normals, where they have one of their own.
+    /// The file with its normals, where they are in a separate one.
     #[serde(skip_serializing_if = "Option::is_none")]
     normals_file: Option<String>,
     /// By the time stamp of the file or its name.
@@ -267,7 +267,7 @@ fn frame_info(sequence: &Sequence, index: usize) -> FrameInfo {
     }
 }
 
-/// Formats the answer for people: one line per frame, then what is true of all of them.
+/// Formats the answer as text: one line per frame, then facts about all of them.
 fn table(info: &Info) -> String {
     let mut text = info.session.as_ref().map_or_else(String::new, SessionInfo::lines);
     // Writing to a String cannot fail.
@@ -395,7 +395,7 @@ fn place(frame: &FrameInfo) -> String {
     }
 }
 
-/// A coordinate with as many digits as fit a column.
+/// A coordinate with the number of digits that fit a column.
 fn short(value: f64) -> String {
     if value != 0.0 && (value.abs() < 1e-3 || value.abs() >= 1e7) {
         format!("{value:.3e}")

@@ -1,4 +1,4 @@
-//! `pointreel render`: frames to pictures, or to a video, with the code that draws the window.
+//! `pointreel render`: frames to images, or to a video, with the code that draws the window.
 
 use super::video::render_video;
 use crate::assumption::Subject;
@@ -34,7 +34,7 @@ struct Stats {
     frames: Vec<PictureStats>,
 }
 
-/// Gives `arguments` of `render` what a session says and they do not, of a sequence of so many frames.
+/// Fills missing `arguments` of `render` from a session, for a sequence of `frame_count` frames.
 pub(super) fn fill(arguments: &mut RenderArgs, session: &Document, frame_count: usize) {
     let last = frame_count.saturating_sub(1);
     arguments.camera.take_view(session.view, session.up);
@@ -134,10 +134,10 @@ pub(in crate::cli) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     }
 }
 
-/// The name of pictures as which nothing is written but to stdout.
+/// The image name that stands for stdout.
 const STDOUT: &str = "-";
 
-/// Refuses what cannot be written, before anything is read.
+/// Refuses images that cannot be written, before anything is read.
 fn check_picture(arguments: &RenderArgs, output: &Path) -> anyhow::Result<()> {
     if let Some(frames) = arguments.frame {
         check_names(output, frames)?;
@@ -165,7 +165,7 @@ fn check_names(output: &Path, frames: FrameChoice) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Makes the folder that pictures of several frames go to; it goes again when nothing is written to it.
+/// Creates the folder for images of several frames; it is removed again if nothing is written to it.
 fn make_folder(output: &Path, frame_count: usize) -> anyhow::Result<Option<Temporary>> {
     if !has_placeholder(output) {
         return Ok(None);
@@ -232,7 +232,7 @@ fn render_frames(
         };
         if output.as_os_str() == STDOUT {
             write_png(headless, &picture, BytesAnswer, Path::new("stdout"))?;
-            // Whatever the encoder has left in the buffer of stdout.
+            // Output of the encoder that remains in the buffer of stdout.
             note(std::io::stdout().lock().flush());
         } else {
             write_picture(headless, &picture, &path)?;

@@ -1,4 +1,4 @@
-//! `pointreel serve`: a sequence for those who play it over the network, as a file or live.
+//! `pointreel serve`: a sequence served over the network, as a file or live.
 
 use crate::cli::options::arguments::{ReadArgs, frame_rate, open_sequence_and_tell};
 use crate::cli::options::known_values::KnownValues;

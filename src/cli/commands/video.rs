@@ -1,4 +1,4 @@
-//! `pointreel render --video`: a camera path, a turntable, or a camera that stands still while the sequence plays.
+//! `pointreel render --video`: a camera path, a turntable, or a fixed camera while the sequence plays.
 
 use crate::cli::options::arguments::FrameRange;
 use crate::cli::options::render_arguments::RenderArgs;
@@ -100,7 +100,7 @@ fn written_path(video: &VideoArgs, path: &CameraPath) -> anyhow::Result<(CameraP
     Ok((path.clone(), video.fps.unwrap_or(DEFAULT_RATE), speed))
 }
 
-/// A turntable, or a camera that stands still, as the arguments say.
+/// A turntable, or a fixed camera, by the arguments.
 fn path_around(arguments: &RenderArgs, headless: &Headless) -> anyhow::Result<(CameraPath, f64, f64)> {
     let video = &arguments.video;
     let sequence = headless.sequence();

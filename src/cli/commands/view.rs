@@ -124,7 +124,7 @@ pub(in crate::cli) struct ViewArgs {
     picture: PictureArgs,
 }
 
-/// Aspect ratio of a window of which only one edge is given.
+/// Aspect ratio of a window with only one given edge.
 const WINDOW_SIZE_PX: [u32; 2] = [1280, 720];
 
 /// Opens the window and returns when it is closed.
@@ -143,7 +143,7 @@ pub(in crate::cli) fn run(args: &ViewArgs) -> anyhow::Result<()> {
         ..args.read.picture_options()
     };
     let (recent, recent_problem) = Recent::load();
-    // Users who have opened something before are offered that.
+    // Users who have opened something before are offered it again.
     let is_bare = args.inputs.is_empty() && args.compare.is_empty();
     let offers_recent = is_bare && args.screenshot.is_none() && args.record.is_none() && !recent.entries().is_empty();
     // The window shows that it is waiting for the first frame.
@@ -151,7 +151,7 @@ pub(in crate::cli) fn run(args: &ViewArgs) -> anyhow::Result<()> {
     let waits = can_ask && args.follow && is_empty_folder(&args.inputs);
     // The window asks whether a session may open files outside its folder.
     let asks = can_ask && reaches_beyond(&args.inputs, &open);
-    // A scripted image does not depend on what was viewed before.
+    // A scripted image does not depend on earlier sessions.
     let (reading_choices, choices_problem) = match args.screenshot {
         Some(_) => Default::default(),
         None => ReadingChoices::load(),
@@ -254,7 +254,7 @@ fn reaches_beyond(inputs: &[PathBuf], open: &OpenOptions) -> bool {
 struct FirstOpened {
     sequence: Option<Sequence>,
     session: Option<ReadSession>,
-    /// Open options, if they differ from those of the command line.
+    /// Open options, if they differ from the command line.
     opened_with: Option<OpenOptions>,
     /// Why a choice that was made in the window before was not taken.
     problem: Option<String>,
@@ -303,7 +303,7 @@ fn give_precedence(args: &ViewArgs, read: &mut ReadSession) {
     }
 }
 
-/// Returns the command-line settings, which override what was kept of a sequence.
+/// Returns the command-line settings, which override the stored ones of a sequence.
 fn given_style(args: &ViewArgs) -> GivenStyle {
     let picture = args.picture.clone();
     GivenStyle::new(move |style| Settings {
@@ -335,7 +335,7 @@ fn open_compared(args: &ViewArgs, open: &OpenOptions) -> anyhow::Result<Option<S
 /// Loads the current user's preferences, overridden by the command line; `has_settings` refers to a session, whose
 /// settings override both.
 fn load_preferences(args: &ViewArgs, has_settings: bool) -> (PreferencesFile, Preferences) {
-    // A scripted image does not depend on what was viewed before.
+    // A scripted image does not depend on earlier sessions.
     let (file, retained) = if args.screenshot.is_some() {
         (PreferencesFile::default(), Preferences::default())
     } else {

@@ -11,7 +11,7 @@ use std::sync::Arc;
 #[derive(Serialize)]
 pub(in crate::cli) struct CameraInfo {
     depth: Intrinsics,
-    /// Null where colours are pixel by pixel those of the depth image.
+    /// Null where colours are aligned with the depth image pixel by pixel.
     color: Option<ColorIntrinsics>,
     poses: Vec<PoseInfo>,
 }

@@ -10,7 +10,7 @@ pub(in crate::cli) struct ReelInfo {
     bytes: u64,
     /// Points of all frames.
     points: usize,
-    /// Points of the clouds that were written: those of one cell are one point unless they are kept one by one.
+    /// Points of the clouds that were written: those of one cell are one point unless they are stored one by one.
     points_written: u64,
     /// True if the file is truncated within its last group.
     ends_early: bool,

@@ -24,8 +24,8 @@ use std::sync::Arc;
 /// Headings of the help.
 pub(in crate::cli) const VIEW: &str = "View";
 
-/// Opens the inputs that the user named, be it a session, and warns of what is skipped; without inputs it is the
-/// built-in sequence.
+/// Opens the inputs that the user named, or a session, and warns of skipped files; without inputs, the built-in
+/// sequence.
 pub(in crate::cli) fn open_sequence_and_tell(inputs: &[PathBuf], options: &OpenOptions) -> anyhow::Result<Sequence> {
     open_inputs_and_tell(inputs, options).map(|opened| opened.sequence)
 }
@@ -115,11 +115,11 @@ enum StreamOf {
     Surfels,
 }
 
-/// Points on the surface of a mesh where pictures are made and nobody said how many.
+/// Default number of points on the surface of a mesh for images.
 const MESH_POINTS: NonZeroUsize = NonZeroUsize::MIN.saturating_add(99_999);
 
 impl ReadArgs {
-    /// [`Self::open_options`] for pictures: meshes are shown by their surface, depth images are filtered.
+    /// [`Self::open_options`] for images: meshes are shown by their surface, depth images are filtered.
     pub(in crate::cli) fn picture_options(&self) -> OpenOptions {
         let options = self.open_options();
         OpenOptions {
@@ -129,7 +129,7 @@ impl ReadArgs {
         }
     }
 
-    /// The options that change what frames have, as they are typed; empty where none is given.
+    /// The options that change the content of frames, as they are typed; empty where none is given.
     pub(in crate::cli) fn in_words(&self) -> String {
         let mut words: Vec<String> = Vec::new();
         let mut add = |option: &str, value: Option<String>| {
@@ -231,7 +231,7 @@ impl ClipArgs {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Behind {
     Colors(Background),
-    /// The picture is transparent there.
+    /// The image is transparent there.
     Nothing,
 }
 
@@ -263,7 +263,7 @@ impl PictureArgs {
         self.colors.source()
     }
 
-    /// `default`, but for what is given.
+    /// `default`, except for given options.
     pub(in crate::cli) fn style_over(&self, default: Settings) -> Settings {
         let mut style = self.style.over(default);
         style.colors = self.colors.over(default.colors);

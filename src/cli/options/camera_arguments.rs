@@ -66,8 +66,8 @@ pub(in crate::cli) struct CameraArgs {
 }
 
 impl CameraArgs {
-    /// Takes the view of a session where another one is not asked for; options change parts of it. Where there is no
-    /// view, the axis that was chosen to be up is.
+    /// Takes the view of a session unless another one is requested; options change parts of it. Without a view, takes
+    /// the chosen up axis.
     pub(in crate::cli) fn take_view(&mut self, view: Option<Camera>, up: Option<UpAxis>) {
         if !self.frame_all {
             self.view = self.view.or(view);
@@ -82,7 +82,7 @@ impl CameraArgs {
         self.up.is_some() || self.view.is_some()
     }
 
-    /// The camera for a picture of frame `index`.
+    /// The camera for an image of frame `index`.
     pub(in crate::cli) fn camera(
         &self,
         look: &FirstLook,

@@ -64,7 +64,7 @@ impl ColorArgs {
         self.colors
     }
 
-    /// `default`, but for what is given. What belongs to a source goes with it.
+    /// `default`, except for given options. Settings that belong to a source are replaced with it.
     pub(in crate::cli) fn over(&self, default: Coloring) -> Coloring {
         let is_same = self.colors.is_none_or(|source| source == default.source);
         let usual = Coloring::default();
@@ -80,7 +80,7 @@ impl ColorArgs {
 }
 
 /// Fails, with the available names, where `source` names a scalar field that neither `frame` nor the first, the median
-/// and the last frame of `sequence` have. `fields` are those of `frame`, if it could be read. Warns where it names
+/// and the last frame of `sequence` have. `fields` are the fields of `frame`, if it could be read. Warns where it names
 /// another kind of field that they do not have.
 pub(in crate::cli) fn check_source(
     source: ColorSource,

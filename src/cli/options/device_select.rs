@@ -13,8 +13,8 @@ use std::ffi::OsString;
 /// The switch in the layer's manifest, `VkLayer_MESA_device_select.json`.
 const SWITCH: &str = "NODEVICE_SELECT";
 
-/// Leaves the layer out for the rest of the program if there is no session that it could ask. To be called once, when
-/// the program starts and has one thread.
+/// Disables the layer for the rest of the program if there is no session that it could ask. To be called once, when the
+/// program starts and has one thread.
 pub(in crate::cli) fn skip_without_session() {
     if cfg!(all(target_os = "linux", feature = "gpu")) && is_useless(|name| std::env::var_os(name)) {
         #[allow(

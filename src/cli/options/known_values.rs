@@ -1,4 +1,4 @@
-//! Values of options of which all, or the best known ones, are words.
+//! Values of options where all, or the best known ones, are words.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, StringValueParser, TypedValueParser};
 use clap::{Arg, Command, Error};

@@ -60,7 +60,7 @@ pub(in crate::cli) struct PosesArgs {
 }
 
 impl PosesArgs {
-    /// All that was asked for, for pictures of the frames of `range`.
+    /// All requested options, for images of the frames of `range`.
     pub(in crate::cli) fn options(
         &self,
         range: FrameRange,

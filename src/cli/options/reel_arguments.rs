@@ -1,4 +1,4 @@
-//! Encoder options: what a sequence file is to keep of a sequence.
+//! Encoder options of sequence files.
 
 use crate::cloud::LengthUnit;
 use crate::reel::{Coding, Precision, ReelOptions};
@@ -63,7 +63,7 @@ impl ReelArgs {
             || self.keep_order
     }
 
-    /// The options for a file of `sequence`, and what was assumed for them.
+    /// The options for a file of `sequence`, and a note on the assumptions behind them.
     pub(in crate::cli) fn options(&self, sequence: &Sequence) -> (ReelOptions, Option<String>) {
         let mut assumed = None;
         let (precision, default) = match (self.precision, self.bits) {
@@ -128,7 +128,7 @@ impl From<ReelCoding> for Coding {
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum ReelPrecision {
     Lossless,
-    /// A length, in units of the file or of so many metres.
+    /// A length in units of the file, or in metres if given so.
     Length {
         length: f64,
         metres: Option<f64>,

@@ -13,7 +13,7 @@ const BEGIN_BYTES: u64 = 64;
 /// Kind of an output, in so far as the file that it replaces must be of that kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::cli) enum OutputKind {
-    /// A picture, or a video.
+    /// An image, or a video.
     Picture,
     /// A JSON text.
     Json,
@@ -70,7 +70,7 @@ pub(in crate::cli) fn check_replaced(output: &Path, kind: OutputKind) -> anyhow:
     Ok(())
 }
 
-/// Writes a text to a file as a whole, or to the pipe or device that somebody has named.
+/// Writes a text to a file as a whole, or to the pipe or device that the user has named.
 pub(in crate::cli) fn write_text(path: &Path, text: &str) -> anyhow::Result<()> {
     persist::write_to(path, text.as_bytes()).with_context(|| format!("{} cannot be written", path.display()))
 }

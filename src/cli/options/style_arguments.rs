@@ -1,4 +1,4 @@
-//! Options for the settings of a picture, made of their descriptions.
+//! Options for the settings of an image, generated from their descriptions.
 
 use super::known_values::KnownValues;
 use crate::scene::Settings;
@@ -13,7 +13,7 @@ pub(super) struct StyleArgs {
 }
 
 impl StyleArgs {
-    /// `default`, but for what is given.
+    /// `default`, except for given options.
     pub(in crate::cli) fn over(&self, mut default: Settings) -> Settings {
         default.edit(&mut |described, value| {
             let given = self.given.iter().rfind(|(key, _)| *key == described.key);

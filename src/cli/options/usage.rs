@@ -1,6 +1,6 @@
 //! Wrong usage that only the input can tell.
 
-/// Usage error: what was requested does not exist. The exit code is that of wrong usage, 2.
+/// Usage error: the requested item does not exist. The exit code is 2, as of wrong usage.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub(in crate::cli) struct UsageError(pub(in crate::cli) String);

@@ -6,7 +6,7 @@ use std::fmt;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
-/// A number that `is_valid`, or what was expected.
+/// A number that `is_valid`, or an error with the expectation.
 pub(super) fn number_in<T>(text: &str, is_valid: impl Fn(&T) -> bool, expected: &str) -> Result<T, String>
 where
     T: std::str::FromStr,

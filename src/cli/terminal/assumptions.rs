@@ -1,4 +1,4 @@
-//! Assumptions on stderr: whatever was guessed about an input is one line.
+//! Assumptions on stderr: one line per guess about an input.
 
 use super::warnings;
 use crate::assumption::{Assumption, Subject};

@@ -10,7 +10,7 @@ use std::sync::Mutex;
 /// Why an answer could not be written: the first reason.
 static FAILED: Mutex<Option<io::Error>> = Mutex::new(None);
 
-/// One line on stderr. Nobody could be told that it cannot be written.
+/// Prints one line on stderr. A failure cannot be reported anywhere.
 pub(in crate::cli) fn say(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{}", printable::text(line));
 }
@@ -32,7 +32,7 @@ pub(in crate::cli) fn note(written: io::Result<()>) {
     }
 }
 
-/// Writer for binary answers: stdout, with failures reported like those of [`answer`].
+/// Writer for binary answers: stdout, with failures reported as in [`answer`].
 pub(in crate::cli) struct BytesAnswer;
 
 impl io::Write for BytesAnswer {

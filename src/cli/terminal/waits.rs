@@ -1,17 +1,17 @@
-//! Says on stderr what other machines are waited for, so that nobody takes a wait for a hang.
+//! Reports waits for other machines on stderr, so that they are not mistaken for a hang.
 
 use super::output::say;
 use crate::waiting::waits;
 use std::thread;
 use std::time::Duration;
 
-/// Shorter waits are no news.
+/// Shorter waits are not reported.
 const MIN_SHOWN: Duration = Duration::from_secs(2);
 
 /// Between looks.
 const LOOK: Duration = Duration::from_millis(500);
 
-/// Says from now on what is waited for, each wait once.
+/// Starts to report waits, each once.
 pub(in crate::cli) fn say_them() {
     let watching = thread::Builder::new().name("waits".to_owned()).spawn(|| {
         let mut next = 0;

@@ -1,8 +1,8 @@
-//! Warnings on stderr: those of one kind are one line with a count.
+//! Warnings on stderr: one line with a count per kind.
 //!
-//! They come from subcommands and, through the log, from anywhere. They are held until the subcommand is done, since
-//! only then the count is known; a window may stay open for days, so there the first of each kind is printed at once.
-//! `--verbose` prints all at once.
+//! They come from subcommands and, through the log, from anywhere. They are held until the subcommand is done, when the
+//! count is known; a window may stay open for days, so there the first of each kind is printed at once. `--verbose`
+//! prints all at once.
 
 use super::output::say;
 use crate::locks::lock;
@@ -26,7 +26,7 @@ static WARNINGS: Mutex<Warnings> = Mutex::new(Warnings {
     kinds: Vec::new(),
 });
 
-/// More kinds than a person reads; what comes then is said at once.
+/// Max number of held kinds; further ones are printed at once.
 const MAX_KINDS: usize = 256;
 
 #[derive(Debug)]
@@ -56,7 +56,7 @@ pub(in crate::cli) fn warn(message: &str) {
     note(format!("warning: {message}"), "like it");
 }
 
-/// Warns of a frame. Each frame warns once of the same thing.
+/// Warns of a frame. A frame gives the same warning only once.
 pub(in crate::cli) fn warn_of_frame(message: &str) {
     note(format!("warning: {message}"), "frames");
 }
@@ -71,7 +71,7 @@ pub(in crate::cli) fn assumed(message: &str) {
     note(format!("assumed {message}"), "like it");
 }
 
-/// Prints something about what was said before.
+/// Prints a remark about an earlier message.
 pub(in crate::cli) fn remark(message: String) {
     note(message, "like it");
 }
@@ -129,7 +129,7 @@ impl Warnings {
     }
 }
 
-/// Returns the suffix of a message of which there are `count` more.
+/// Returns the suffix of a message with `count` more like it.
 pub(in crate::cli) fn more(count: usize, noun: &str) -> String {
     match count {
         0 => String::new(),

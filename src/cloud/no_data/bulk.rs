@@ -1,9 +1,9 @@
-//! The box that most points are in, and which points are away from it whatever others there are.
+//! The box that most points are in, and the points away from it.
 //!
-//! **How it works.** The box is that between quantiles of a sample, from which candidates, places of many points and
+//! **How it works.** The box lies between quantiles of a sample, from which candidates, places of many points and
 //! coordinates that are missing as 0 are removed. Where it is many times as wide as the shortest intervals with half of
 //! the points, a minority is elsewhere (local coordinates among those of a map, outliers, points at the end of the
-//! range): the box is then that of the points around the half, if these are the clear majority.
+//! range): the box is then the one around the points of the half, if these are the clear majority.
 
 use super::known::{Known, is_near};
 use crate::cloud::{Positions, even_places};
@@ -30,11 +30,11 @@ const CONSTANTS: [f64; 16] = [
     1e20,
     1e30,
 ];
-/// From here on a number is no coordinate in any unit: 1e30, the largest float and their kin.
+/// From here on a number is not a coordinate in any unit: 1e30, the largest float and their kin.
 const ABSURD: f64 = 1e18;
 /// A constant is away from the bulk from this share of the bulk's diagonal on.
 const AWAY_DIAGONALS: f64 = 0.5;
-/// Points so many diagonals away from the bulk are missing whatever they are.
+/// Points this many diagonals away from the bulk are missing in any case.
 const FAR_DIAGONALS: f64 = 1000.0;
 /// Points that the bulk is measured by.
 const SAMPLE_POINTS: usize = 1 << 13;
@@ -45,17 +45,17 @@ const TAIL: f64 = 0.02;
 /// Zeros are repeated from this count and this share of the points on.
 const MIN_ZEROS: usize = 10;
 const MIN_ZERO_SHARE: f64 = 1e-3;
-/// A void has no other point within so many times the distance between points of a surface; around a place that has
-/// this share of all points a smaller one tells.
+/// A void has no other point within this many times the point spacing of a surface; around a place with this share of
+/// all points a smaller void suffices.
 const VOID_SPACINGS: f64 = 3.0;
 const SMALL_VOID_SPACINGS: f64 = 0.5;
 const LARGE_SHARE: f64 = 0.05;
 /// Something is repeated in the sample from this count and this share on.
 const MIN_REPEATED: usize = 8;
 const MIN_REPEATED_SHARE: f64 = 2e-3;
-/// The box is that around half of the points if it would be wider than so many diagonals of that half.
+/// The box is the one around half of the points if it would be wider than this many diagonals of that half.
 const WIDE_CORES: f64 = 30.0;
-/// Points so many diagonals of the half around it belong to it.
+/// Points within this many diagonals of the half around it belong to it.
 const CORE_MARGIN: f64 = 5.0;
 /// They are most points if they have this share.
 const MAJORITY: f64 = 0.6;
@@ -275,7 +275,7 @@ fn remove_repeated(sample: &mut Vec<DVec3>) -> Vec<DVec3> {
     repeated
 }
 
-/// The bits of a position; those of both zeros of floating point are one.
+/// The bits of a position; both zeros of floating point have the same.
 pub(super) fn key(position: DVec3) -> [u64; 3] {
     position.to_array().map(|coordinate| (coordinate + 0.0).to_bits())
 }
@@ -285,12 +285,12 @@ fn place(key: [u64; 3]) -> DVec3 {
 }
 
 /// Returns true if coordinates along `axis` that are exactly 0 are missing: many are, the others are elsewhere along
-/// that axis, and their points are among these along both other axes. A floor far below things is wider than they are.
+/// that axis, and their points are among these along both other axes. A floor far below objects is wider than they are.
 fn zeros_are_missing(sample: &[DVec3], axis: usize) -> bool {
     /// Fewer of the points have a coordinate.
     const MAX_ZEROS: f64 = 0.6;
     /// Minimum gap as a fraction of the extent of the others along the axis, and minimum height as a fraction of their
-    /// extent across, for things that are not thin layers.
+    /// extent across, for objects that are not thin layers.
     const MIN_GAP: f64 = 0.9;
     const MIN_HEIGHT: f64 = 0.2;
     /// Certain gap as a multiple of both extents, that is of the larger one, for everything.

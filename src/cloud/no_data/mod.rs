@@ -1,19 +1,19 @@
-//! Points that stand for no measurement: constants such as 0 0 0 or −9999, and coordinates absurdly far away.
+//! No-data points: constants such as 0 0 0 or −9999, and coordinates absurdly far away.
 //!
 //! **How it works.** Programs write a constant where there is no return, and overflow to the smallest integer. One such
 //! point in a survey in UTM coordinates moves the origin by thousands of kilometres and makes single precision coarser
 //! than the points are apart. So the *bulk* of a cloud is measured first ([`bulk`]), by a sample from which candidates
 //! are removed. A point is missing if
 //!
-//! - it is at 0 0 0, away from the bulk, or again and again in a void of its own,
-//! - it is at a place, or at a distance from 0 0 0, that is exactly that of many other points ([`repeats`]),
+//! - it is at 0 0 0, away from the bulk, or repeatedly, alone in a void,
+//! - it is at exactly the same place, or distance from 0 0 0, as many other points ([`repeats`]),
 //! - a coordinate is a constant that programs are known to write, away from the bulk along that axis,
-//! - a coordinate is exactly 0, as that of many other points, while the bulk is elsewhere along that axis,
-//! - it is more than a thousand diagonals away: no picture shows it together with the rest.
+//! - a coordinate is exactly 0, as in many other points, while the bulk is elsewhere along that axis,
+//! - it is more than a thousand diagonals away: no image shows it together with the rest.
 //!
-//! Where the box around all points is as large as the bulk suggests, nothing is looked for: one pass over the points.
-//! The same points give the same answer whatever the number of threads. Vertices of meshes are shared by many faces, so
-//! repetition means nothing there.
+//! Where the box around all points is as large as the bulk suggests, nothing is searched: one pass over the points.
+//! Results do not depend on the number of threads. Vertices of meshes are shared by many faces, so repetition means
+//! nothing there.
 
 mod bulk;
 mod known;
@@ -34,7 +34,7 @@ use repeats::Repeats;
 use std::fmt;
 use std::str::FromStr;
 
-/// Handling of points that stand for no measurement.
+/// Handling of no-data points.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum NoData {
     /// Found by statistics.
@@ -83,7 +83,7 @@ impl fmt::Display for NoData {
     }
 }
 
-/// More of the points than this are not missing: what is taken for the bulk is not.
+/// More of the points than this are not missing: the supposed bulk is wrong then.
 const MAX_SHARE: f64 = 0.98;
 /// The missing points of a cloud.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -221,7 +221,7 @@ impl MissingPoints {
 /// Search scope for missing points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FoundIn {
-    /// Points that were looked at.
+    /// Number of examined points.
     pub point_count: usize,
     /// Points of the frame, where these are a sample of it.
     pub whole_count: Option<usize>,

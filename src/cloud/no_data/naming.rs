@@ -56,7 +56,7 @@ impl<'a> Naming<'a> {
     }
 
     /// The missing points by value, the most frequent first. A coordinate that a single point has, and that no program
-    /// is known to write, is not a value that stands for something.
+    /// is known to write, is not a no-data value.
     pub(super) fn values(&self, positions: &Positions, indices: &[u32], present: &Extent) -> Vec<MissingValue> {
         let mut values: Vec<(MissingValue, bool)> = Vec::new();
         for &index in indices {
@@ -74,7 +74,7 @@ impl<'a> Naming<'a> {
         values
     }
 
-    /// The name of a missing point, and whether it is that of a value that is known to stand for something.
+    /// The name of a missing point, and true if its value is a known no-data constant.
     fn value(&self, position: DVec3, present: &Extent) -> (String, bool) {
         let DVec3 { x, y, z } = position;
         if let Some(name) = self.limit(position) {

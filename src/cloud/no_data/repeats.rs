@@ -1,9 +1,9 @@
-//! Places, and distances from 0 0 0, that are exactly those of many points: what a program writes where nothing came
-//! back, whatever number it is.
+//! Places, and distances from 0 0 0, that many points share exactly: a value that a program writes where there was no
+//! return, whatever number it is.
 //!
 //! **How it works.** Points a few diagonals away from the bulk are sorted by their bits, then by their distances. Runs
-//! of equal ones are missing if they are many, and a share of what is far away: a real object out there has as many
-//! places as points. Equal distances are those of a range that nothing came back within, if they lie in many
+//! of equal ones are missing if they are many, and a share of the far points: a real object out there has a different
+//! place for each point. Equal distances are the maximum range of a sensor without a return, if they lie in many
 //! directions. A place near the bulk is missing if it is by far the most frequent one and alone in a void.
 
 use super::bulk::{Bulk, Extent, key};
@@ -11,7 +11,7 @@ use crate::cloud::Positions;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// A place is far from so many diagonals of the bulk on.
+/// A place is far from this many diagonals of the bulk on.
 const FAR_DIAGONALS: f64 = 3.0;
 /// Something is repeated from this count on, or from a lower one and this share of all points.
 const MANY: usize = 20;

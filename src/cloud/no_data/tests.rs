@@ -111,7 +111,7 @@ fn the_user_can_define_the_no_data_value() {
     assert!("nan".parse::<NoData>().is_err() && "zero".parse::<NoData>().is_err());
 }
 
-/// A ball on a table of 4 × 4 m, as a scanner in the middle of a room sees it: 2000 points.
+/// A ball on a table of 4 × 4 m, as a scanner in the centre of a room sees it: 2000 points.
 fn table(at: DVec3) -> Vec<DVec3> {
     let point = |index: u32| {
         let turn = f64::from(index) * 2.399_963;
@@ -127,7 +127,7 @@ fn table(at: DVec3) -> Vec<DVec3> {
     (0..2000).map(point).collect()
 }
 
-/// Every `step`-th point becomes what `other` makes of it.
+/// Replaces every `step`-th point by the result of `other`.
 fn replaced(points: &[DVec3], step: usize, other: impl Fn(usize, DVec3) -> DVec3) -> (Vec<DVec3>, Vec<u32>) {
     let with_other = |(index, &point): (usize, &DVec3)| {
         if index.is_multiple_of(step) {
@@ -271,7 +271,7 @@ fn limits_of_integer_types_are_named() {
 }
 
 proptest! {
-    /// The bounds are those of a cloud without the missing points, and the holes are these alone.
+    /// The bounds are the same as without the missing points, and only these are holes.
     #[test]
     fn bounds_exclude_missing_points(
         x in -1e6f64..1e6, y in -1e7f64..1e7, count in 1usize..200, place in 0usize..2000,

@@ -1,13 +1,13 @@
 //! Trails: the trajectories of points over time, following one index in the file through every frame where that index
 //! can be trusted.
 //!
-//! **How it works.** Frames are looked at one after the other, in memory where all their points are, else in their
-//! files; only the positions of the followed points are kept of each. An index means the same point in two frames if
+//! **How it works.** Frames are visited one after the other, in memory where all their points are resident, else in
+//! their files; only the positions of the followed points are stored. An index means the same point in two frames if
 //! these have the same number of points and appear to have them in the same order. That is a heuristic: 256 points of
 //! evenly spread indices, relative to their common centroid, have to lie less than half as far from themselves in the
 //! previous frame as from the others ([`keeps_order`]). A trail ends where that fails, starting from the frame in which
-//! its point was chosen. Scanners that have the same scan directions in every revolution pass, although what they see
-//! is not the same point of the scene.
+//! its point was chosen. Sensors with the same scan directions in every revolution pass, although their measurements
+//! are not the same point of the scene.
 
 mod breaks;
 mod order;
@@ -26,7 +26,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Bytes of places that are kept at most.
+/// Max stored bytes of positions.
 const MAX_BYTES: usize = 64 << 20;
 
 /// Request for trails: the points to follow, and the frames to follow them through.
@@ -45,11 +45,11 @@ pub struct TrailRequest {
 /// The length of a trail and how fast its point is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrailMeasure {
-    /// The way travelled, scene units, without what lies across breaks.
+    /// Path length, scene units, excluding breaks.
     pub length: f64,
-    /// The way by its time, scene units a second.
+    /// Path length over time, scene units per second.
     pub mean_speed: f64,
-    /// The largest speed from one frame to the next, scene units a second.
+    /// The largest speed from one frame to the next, scene units per second.
     pub max_speed: f64,
 }
 
@@ -70,8 +70,8 @@ struct FramePlaces {
 }
 
 impl Trails {
-    /// Follows points through `sequence`. `resident` gives frames that are in memory; `progress` counts those that
-    /// were looked at. There is no answer once it is cancelled.
+    /// Follows points through `sequence`. `resident` gives frames that are in memory; `progress` counts the visited
+    /// ones. There is no result once it is cancelled.
     pub fn trace(
         request: &TrailRequest,
         sequence: &Sequence,
@@ -187,7 +187,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// A frame of as many points.
+    /// Handles a frame with the same number of points.
     fn go_through(&mut self, frame: usize, seen: FramePlaces) {
         if let Some((last, witnesses)) = &self.before
             && !keeps_order(witnesses, &seen.witnesses)
@@ -199,7 +199,7 @@ impl<'a> Walk<'a> {
         self.was_broken = false;
     }
 
-    /// A frame of so many other points, or one that cannot be read.
+    /// Handles a frame with another number of points, or one that cannot be read.
     fn stumble(&mut self, frame: usize, points: Option<usize>) {
         if std::mem::replace(&mut self.was_broken, true) {
             return;

@@ -21,7 +21,7 @@ pub(in crate::composition) const STAGE: Stage = Stage {
     step,
 };
 
-/// Radius of trails, as a share of that of the frame.
+/// Radius of trails, as a share of the frame's radius.
 const TRAIL_RADIUS: f32 = 0.003;
 
 /// Trails for a pose.
@@ -75,7 +75,7 @@ impl Step for TrailsStep {
             .iter()
             .map(|look| self.tube(look, composed.pose.index, radius));
         let tubes: Vec<Ghost> = tubes.collect::<Result<_, _>>()?;
-        // Tubes have so many points that a loss criterion would divide the pose's cells as well.
+        // Tubes have enough points to make a loss criterion divide the frame's cells as well.
         let depth = frame.levels.octree().map(|octree| octree.depth());
         let levels = self.needs.levels.zip(depth).map(|(levels, depth)| LevelsKey {
             stop: StopCriterion::Depth(depth),

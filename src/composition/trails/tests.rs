@@ -121,7 +121,7 @@ fn positions_from_cached_frames_match_the_files() {
         assert_eq!(from_files.place(2, frame).is_none(), frame == 2);
     }
     assert_eq!(sequence.decode_count(), decoded, "nothing was read");
-    // There is no trail across the hole.
+    // There is no trail across the gap.
     let measure = from_files.measure(2, |frame| frame as f64).unwrap();
     assert!((measure.length - 3.0 * direction(22).length()).abs() < 1e-5);
     assert_eq!(from_files.measure(1, |frame| frame as f64), None);

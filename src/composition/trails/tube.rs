@@ -1,5 +1,5 @@
-//! A trail as points around its line: a tube that every renderer and every primitive draws, hidden by what is before
-//! it.
+//! A trail as points around its line: a tube that every renderer and every primitive draws, occluded by nearer
+//! surfaces.
 
 use super::Trails;
 use crate::cloud::{CloudError, Frame, Positions, RawCloud};
@@ -17,7 +17,7 @@ const MAX_RINGS: usize = 100_000;
 
 impl Trails {
     /// The tube around a trail, `radius` scene units thick, white up to `frame` and black from there; without points
-    /// where the trail has no way. Every point has a normal and a radius, so that surfels close it.
+    /// where the trail has no path. Every point has a normal and a radius, so that surfels close it.
     pub fn tube(&self, trail: usize, frame: usize, radius: f32) -> Result<PreparedFrame, CloudError> {
         self.tube_through(trail, self.frames(), frame, radius)
     }
@@ -58,7 +58,7 @@ impl Trails {
         }
         let mut raw = RawCloud::from_positions(Positions::F32(positions));
         raw.attributes.radii = Some(vec![radius; normals.len()]);
-        // Ordinary points, so that every primitive and renderer draws the trail, occluded by whatever is in front.
+        // Ordinary points, so that every primitive and renderer draws the trail, occluded by nearer surfaces.
         raw.attributes.normals = Some(normals);
         raw.attributes.colors = Some(colors);
         let needs = Needs {

@@ -1,15 +1,15 @@
-//! Rows of a picture that are drawn over.
+//! Rows of an image with an overlay.
 
 use image::{Rgba, RgbaImage};
 
-/// Some rows of a picture.
+/// Some rows of an image.
 #[derive(Debug)]
 pub(in crate::export) struct OverlayCanvas<'a> {
     /// The rows.
     pub(in crate::export) rows: &'a mut RgbaImage,
     /// Row offset: the number of rows of the whole image above this strip.
     pub(in crate::export) top_px: u32,
-    /// Width and height of the whole picture.
+    /// Width and height of the whole image.
     pub(in crate::export) whole_px: [u32; 2],
 }
 
@@ -25,7 +25,7 @@ impl OverlayCanvas<'_> {
         }
     }
 
-    /// Fills a disk; pixels at its rim are covered in part.
+    /// Fills a disk; pixels at its edge are covered in part.
     pub(super) fn disk(&mut self, [x, y]: [f32; 2], radius: f32, color: [u8; 3], alpha: f32) {
         let reach = radius + 1.0;
         let rows = (y - reach).floor().max(self.top_px as f32) as i64

@@ -8,7 +8,7 @@ use super::text::Line;
 use crate::scene::LabelOnPicture;
 use image::RgbaImage;
 
-/// Draws labels with their texts over a whole picture, as exports have them.
+/// Draws labels with their texts over a whole image, as exports have them.
 pub fn draw_labels(picture: &mut RgbaImage, labels: &[(LabelOnPicture, String)]) {
     let whole_px = picture.dimensions().into();
     let mut canvas = OverlayCanvas {
@@ -19,10 +19,10 @@ pub fn draw_labels(picture: &mut RgbaImage, labels: &[(LabelOnPicture, String)])
     PaintedLabels::of(labels, whole_px).draw(&mut canvas);
 }
 
-/// Height of a picture in which lengths are as below.
+/// Height of an image with the lengths below.
 const USUAL_HEIGHT_PX: f32 = 720.0;
 
-/// Lengths in a picture of the usual height, pixels.
+/// Lengths in an image of that height, pixels.
 const TEXT: f32 = 15.0;
 const DOT_RADIUS: f32 = 3.5;
 const RIM: f32 = 1.2;

@@ -1,15 +1,15 @@
-//! The legend at the upper right of a picture, as in the window.
+//! The legend at the upper right of an image, as in the window.
 
 use super::canvas::OverlayCanvas;
 use super::text::Line;
 use crate::scene::{Legend, LegendBody};
 
-/// Height of a picture in which lengths are as below.
+/// Height of an image with the lengths below.
 const USUAL_HEIGHT_PX: f32 = 720.0;
 
 const WHITE: [u8; 3] = [255; 3];
 
-/// Lengths in a picture of the usual height, pixels.
+/// Lengths in an image of that height, pixels.
 const TEXT: f32 = 15.0;
 const ROW: f32 = 20.0;
 const MARGIN: f32 = 14.0;

@@ -1,8 +1,8 @@
 //! Overlays on exported images: the legend of their colours, and labels at points.
 //!
 //! How it works: an overlay knows the whole image and draws into one strip of it after the other, so that images of any
-//! size can have it. It is as large relative to the image as in a window of 720 pixels. Where nothing is behind the
-//! cloud it has an alpha of its own.
+//! size can have it. It is as large relative to the image as in a window of 720 pixels. Where the background is
+//! transparent it has its own alpha.
 
 mod canvas;
 mod labels;

@@ -1,4 +1,4 @@
-//! Lines of text in pictures, in the font of the window.
+//! Lines of text in images, in the font of the window.
 
 use super::canvas::OverlayCanvas;
 use ab_glyph::{Font as _, FontRef, GlyphId, Point, PxScale, ScaleFont as _};
@@ -24,8 +24,7 @@ pub(super) struct Line {
 }
 
 impl Line {
-    /// `text` in letters of `size_px`, by their height with what hangs below the line. What the font does not have is a
-    /// box.
+    /// `text` at `size_px`, the height of letters with descenders. Missing glyphs are boxes.
     pub(super) fn new(text: &str, size_px: f32) -> Self {
         let scale = PxScale::from(size_px);
         let mut line = Self {
@@ -49,7 +48,7 @@ impl Line {
         line
     }
 
-    /// Draws it with its upper left corner at `at` pixels of the whole picture.
+    /// Draws it with its upper left corner at `at` pixels of the whole image.
     pub(super) fn draw(&self, canvas: &mut OverlayCanvas<'_>, at: [f32; 2], color: [u8; 3]) {
         self.draw_paler(canvas, at, color, 1.0);
     }

@@ -123,7 +123,7 @@ impl Scales {
     }
 }
 
-/// The range of colours of which `largest` is the brightest channel; `None` where the type says it.
+/// The range of colours whose brightest channel is `largest`; `None` where the type determines it.
 fn depth_of(scalar: Scalar, largest: f64) -> Option<ColorDepth> {
     if scalar.byte_size() == 1 || !largest.is_finite() {
         return None;
@@ -145,13 +145,13 @@ fn largest(columns: &[&Column<'_>], count: usize) -> f64 {
     largest.fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// Returns the note about colours of which 8 bits are kept.
+/// Returns the note about colours reduced to 8 bits.
 pub(super) fn rounded_colors() -> Dropped {
     Dropped::quiet("colours have more than 8 bits a channel in the file: they are kept with 8")
 }
 
-/// Appends colour channels as 8 bits red, green, blue and alpha, which is full where there is no column for it. True
-/// where values are rounded by that.
+/// Appends colour channels as 8 bits red, green, blue and alpha, which is full where there is no column for it. True if
+/// that rounds values.
 pub(super) fn append_colors(
     colors: &mut Vec<[u8; 4]>,
     channels: [&Column<'_>; 3],
@@ -183,7 +183,7 @@ pub(super) fn append_colors(
     is_rounded
 }
 
-/// Writes `column` into one of the four channels of `colors`, as 8 bits. True where values are rounded by that.
+/// Writes `column` into one of the four channels of `colors`, as 8 bits. True if that rounds values.
 fn write_channel(colors: &mut [[u8; 4]], column: &Column<'_>, channel: usize, full_scale: f64) -> bool {
     /// Tolerance as a fraction of a quantisation step: single-precision fractions that originated from 8 bits are this
     /// near.

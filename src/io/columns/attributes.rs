@@ -1,4 +1,4 @@
-//! From named columns to a cloud: which name means what.
+//! From named columns to a cloud: the meanings of names.
 
 use super::column::Column;
 use crate::cloud::ScalarField;
@@ -53,7 +53,7 @@ const SCALARS: [&str; 22] = [
     "range",
 ];
 
-/// True when a column of this name is not a scalar, where there is no other of the same meaning.
+/// True if a column of this name is not a scalar, unless there is another of the same meaning.
 pub(in crate::io) fn is_reserved(name: &str) -> bool {
     let name = name.to_ascii_lowercase();
     let name = name.as_str();
@@ -79,14 +79,14 @@ pub(super) struct Roles {
 /// Location of the colours.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::io) enum Colors {
-    /// Red, green and blue in columns of their own.
+    /// Red, green and blue in separate columns.
     Channels { channels: [usize; 3], alpha: Option<usize> },
     /// All in one number.
     Packed(usize),
 }
 
 impl Roles {
-    /// Fails when there are no coordinates.
+    /// Fails if there are no coordinates.
     pub(in crate::io) fn of(columns: &[Column<'_>]) -> Result<Self, Fault> {
         let find = |name: &str| columns.iter().position(|column| column.name.eq_ignore_ascii_case(name));
         let find_any = |names: &[&str]| names.iter().find_map(|name| find(name));
@@ -165,7 +165,7 @@ impl Roles {
     }
 }
 
-/// The place of a scalar among others: that of its name in the list.
+/// The rank of a scalar among others: the position of its name in the list.
 fn rank(name: &str) -> usize {
     let plain = plain_scalar_name(name);
     let known = SCALARS.iter().position(|known| *known == plain);
@@ -177,7 +177,7 @@ pub(in crate::io) fn sort_fields(fields: &mut [ScalarField]) {
     fields.sort_by_cached_key(|field| rank(&field.name));
 }
 
-/// The name of a scalar in small letters and without what `CloudCompare` writes before it.
+/// The name of a scalar in lower case and without the prefix of `CloudCompare`.
 pub(in crate::io) fn plain_scalar_name(name: &str) -> String {
     let mut name = name.to_ascii_lowercase();
     if name.len() > SCALAR_PREFIX.len() && name.starts_with(SCALAR_PREFIX) {

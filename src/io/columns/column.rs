@@ -1,4 +1,4 @@
-//! A column of numbers, wherever it lies: in rows, in a block of its own, or parsed from text.
+//! A column of numbers in any layout: in rows, in its own block, or parsed from text.
 
 pub(in crate::io) use crate::binary::Scalar;
 use std::ops::Range;
@@ -26,7 +26,7 @@ pub(in crate::io) struct Column<'a> {
     pub(in crate::io) values: Values<'a>,
 }
 
-/// The loop of [`Column::for_each_f32`] and its twin: one for every type and byte order, so that neither is asked for
+/// The loop of [`Column::for_each_f32`] and its twin: one for every type and byte order, so that neither is tested for
 /// every number.
 macro_rules! walk {
     ($column:expr, $range:expr, $each:expr, $target:ty) => {{
@@ -115,7 +115,7 @@ impl Column<'_> {
         }
     }
 
-    /// Bytes of its own: of numbers that lie in a file there are none.
+    /// Bytes that it owns: none for numbers that lie in a file.
     pub(in crate::io) fn parsed_bytes(&self) -> usize {
         match &self.values {
             Values::Parsed(values) => size_of_val(values.as_slice()),

@@ -5,10 +5,10 @@ use std::fmt;
 use std::str::FromStr;
 use std::sync::Mutex;
 
-/// Meaning of columns as a user gives it: their number, `7`, or which is what, `x=3,y=4,z=5,intensity=7`, or both,
+/// Meaning of columns as a user gives it: their number, `7`, or their roles, `x=3,y=4,z=5,intensity=7`, or both,
 /// `7:x=0,y=1,z=2`. Columns are counted from 0, or named as the header of the file names them.
 ///
-/// Small and copied with the options of reading: the same text is stored once.
+/// Small and copied with the reading options: the same text is stored once.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct ColumnMap(&'static Parsed);
 
@@ -69,7 +69,7 @@ impl ColumnMap {
         Self(parsed)
     }
 
-    /// Values per point, if the user says so.
+    /// Values per point, if given by the user.
     pub(in crate::io) fn width(self) -> Option<usize> {
         self.0.width
     }

@@ -3,13 +3,13 @@
 //! A plain copy of a file into memory is memory-bound, and so is parsing it: reading the whole file first moves every
 //! byte three times through memory that no cache holds. Here each thread reads a piece that fits into its core's cache
 //! and parses it, and the arrays of the cloud are written once, from their beginning to their end. Threads follow one
-//! another from the file to the positions to the other attributes to each scalar field, each step being held by one of
-//! them, so that pieces stay in order and threads work on different steps concurrently. Neither the file nor a second
-//! copy of a column is in memory in addition to the cloud.
+//! another from the file to the positions to the other attributes to each scalar field, each step being locked by one
+//! of them, so that pieces stay in order and threads work on different steps concurrently. Neither the file nor a
+//! second copy of a column is in memory in addition to the cloud.
 //!
 //! A decoder whose header describes such rows declares them ([`crate::io::formats::ply`], [`crate::io::formats::pcd`]).
-//! Whatever is unusual is left to the reading of whole files, which also has the error messages: headers that claim
-//! more than there is, attributes that a row alone does not suffice to interpret.
+//! Unusual files are left to the whole-file readers, which also have the error messages: headers that claim too many
+//! rows, attributes that cannot be interpreted from a row alone.
 
 use super::attributes::Roles;
 use super::column::{Column, Scalar, Values};
@@ -30,11 +30,12 @@ use std::time::{Duration, Instant};
 /// often.
 const PIECE_BYTES: usize = 1 << 20;
 
-/// Rows that a thread looks for one after the other, and between two looks at the clock.
+/// Rows that a thread reads one after the other, between two checks of the clock.
 const ROWS_PER_TASK: usize = 1 << 13;
 const ROWS_PER_LOOK: usize = 1 << 5;
 
-/// Rows that are nearer to each other than a page of memory are read with what is between them, so much at once.
+/// Rows nearer to each other than a page of memory are read together with the bytes between them, up to this many at
+/// once.
 const NARROW_GAP_BYTES: usize = 1 << 12;
 const READ_AT_ONCE_BYTES: usize = 1 << 17;
 
@@ -112,7 +113,7 @@ impl FixedRows {
         self.fields.iter().map(column).collect()
     }
 
-    /// The cloud in the file at `path`; `None` where it takes the whole file to tell what it means or what is wrong.
+    /// The cloud in the file at `path`; `None` where interpreting it, or finding its fault, takes the whole file.
     pub(in crate::io) fn read(&self, path: &Path, progress: &Progress) -> io::Result<Option<RawCloud>> {
         let Some((roles, mut file)) = self.open(path)? else {
             return Ok(None);
@@ -124,8 +125,8 @@ impl FixedRows {
         Ok(Some(self.finished(growing)))
     }
 
-    /// The cloud of the rows at `places` (ascending), of which little more than themselves is read; `None` as for
-    /// [`FixedRows::read`], and where that takes longer than `max_time`: a disk may have to look for every row.
+    /// The cloud of the rows at `places` (ascending), reading little more than these; `None` as for
+    /// [`FixedRows::read`], and where that takes longer than `max_time`: a disk may have to seek for every row.
     ///
     /// Precondition: each place is below the number of rows.
     pub(in crate::io) fn read_at(
@@ -172,7 +173,7 @@ impl FixedRows {
             })
     }
 
-    /// The points that were read, with what the header says of all of them.
+    /// The points that were read, with the header's data about all of them.
     fn finished(&self, growing: Growing) -> RawCloud {
         let mut cloud = RawCloud {
             sensor: self.sensor,
@@ -184,8 +185,8 @@ impl FixedRows {
         cloud
     }
 
-    /// Returns the roles of the columns, and the file at `path`, if each row fully describes its point and there are as
-    /// many rows as the header claims.
+    /// Returns the roles of the columns, and the file at `path`, if each row fully describes its point and the file has
+    /// all rows that the header claims.
     fn open(&self, path: &Path) -> io::Result<Option<(Roles, File)>> {
         let columns = self.columns(&[]);
         let roles = Roles::of(&columns).ok();
@@ -252,7 +253,7 @@ mod tests {
 
     const COUNT: usize = 1000;
 
-    /// Rows with every role that a row alone tells, in an order that nobody writes, with a gap and columns apart.
+    /// Rows with every role that can be read from a row alone, in an unusual order, with a gap and columns apart.
     fn rows(big_endian: bool) -> FixedRows {
         let names_and_types = [
             ("red", Scalar::U8),
@@ -393,7 +394,7 @@ mod tests {
         assert!(!changed(beyond), "a field that is not in its row");
     }
 
-    /// What is read of a file alone is what would be taken of all of it.
+    /// Partial reads equal the same rows of a full read.
     #[test]
     fn a_sample_of_a_file_matches_that_of_its_cloud() {
         let file = tempfile::Builder::new().suffix(".ply").tempfile().unwrap();

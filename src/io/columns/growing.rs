@@ -11,11 +11,11 @@ use crate::locks::lock;
 use rayon::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
-/// The arrays of a cloud so far, with room for all.
+/// The arrays of a cloud so far, with capacity for all points.
 ///
 /// Columns of the same names and types are appended piece by piece, or all at once. Threads with a piece each follow
 /// one another along the arrays: one appends positions while the one before appends the rest, and each scalar field is
-/// a step of its own, so that files with many of them are not held up by a single thread.
+/// its own step, so that files with many of them do not wait for a single thread.
 #[derive(Debug)]
 pub(super) struct Growing {
     roles: Roles,
@@ -52,8 +52,8 @@ enum ScalarValues {
 }
 
 impl Growing {
-    /// No points yet, with room for `count` of `columns`, which are looked at where types do not tell what colours
-    /// mean: of the columns of a piece this must not be asked unless [`Roles::are_local`].
+    /// No points yet, with capacity for `count` of `columns`, whose values are examined where types do not determine
+    /// the range of colours: only allowed for the columns of a piece if [`Roles::are_local`].
     pub(in crate::io) fn new(roles: Roles, columns: &[Column<'_>], count: usize) -> Self {
         let is_wide = |&index: &usize| columns[index].is_wide();
         let positions = if roles.positions.iter().any(is_wide) {
@@ -116,8 +116,8 @@ impl Growing {
         2 + self.scalars.len()
     }
 
-    /// Appends the first `count` rows of `columns`. Rows of several threads come in the order of their turns: `turn` is
-    /// what keeps others from beginning, and is dropped as soon as they cannot overtake.
+    /// Appends the first `count` rows of `columns`. Rows of several threads come in the order of their turns: `turn`
+    /// blocks the others, and is dropped as soon as they cannot overtake.
     pub(in crate::io) fn append<T>(&self, columns: &[Column<'_>], count: usize, turn: T) {
         let mut positions = lock(&self.positions);
         drop(turn);
@@ -141,7 +141,7 @@ impl Growing {
         }
     }
 
-    /// [`Growing::append`] of columns that have all rows: each array by a thread of its own.
+    /// [`Growing::append`] of columns that have all rows: each array by its own thread.
     fn append_all(&self, columns: &[Column<'_>], count: usize) {
         let vectors = || {
             let coordinates = self.roles.positions.map(|index| &columns[index]);
@@ -237,9 +237,8 @@ impl ScalarValues {
     }
 }
 
-/// The names of scalar fields from those of their columns, of which the indices come first: those without a name get
-/// their place, and each is one that no field before it has, however its letters are written and whether or not
-/// `scalar_` stands before it: that is how fields are asked for.
+/// The names of scalar fields from pairs of column index and name: unnamed ones get their index, and each differs from
+/// all fields before it, ignoring case and a prefix `scalar_`, as in queries for fields.
 fn field_names<'a>(columns: impl Iterator<Item = (usize, &'a str)>) -> Vec<String> {
     let mut names = UniqueNames::default();
     let unique = |(index, name): (usize, &str)| {

@@ -1,6 +1,6 @@
-//! Numbers in rows that are no points: poses, and images or grids of values.
+//! Numbers in rows that are not points: poses, and images or grids of values.
 
-/// Rows whose values are looked at.
+/// Number of rows whose values are examined.
 const MAX_ROWS: usize = 1024;
 
 /// The layout of poses, by their values.

@@ -1,5 +1,5 @@
-//! Named columns of numbers, wherever they lie, and what their names mean; from columns to arrays of a cloud. Knows no
-//! format.
+//! Named columns of numbers, in any layout, and the meanings of their names; from columns to arrays of a cloud.
+//! Independent of formats.
 
 pub(super) mod arrays;
 pub(super) mod attributes;

@@ -32,7 +32,7 @@ impl<'a> Tokens<'a> {
     }
 
     /// The next token as a number, in one pass over its bytes; `None` behind the last one, the token itself where it is
-    /// no number.
+    /// not a number.
     #[inline]
     pub(in crate::io) fn next_number(&mut self) -> Option<Result<f64, &'a [u8]>> {
         let mut start = self.position;
@@ -55,7 +55,7 @@ impl<'a> Tokens<'a> {
         Some(parse_number(token).ok_or(token))
     }
 
-    /// Lines with something in them behind that of the last token.
+    /// Number of non-empty lines after the one of the last token.
     pub(in crate::io) fn lines_behind(&self) -> usize {
         let mut rest = self.clone();
         rest.skip_line();
@@ -133,7 +133,7 @@ pub(in crate::io) fn parse_number(token: &[u8]) -> Option<f64> {
     }
     let text = std::str::from_utf8(token).ok()?;
     let lower = text.trim_start_matches(['+', '-']).to_ascii_lowercase();
-    // How the runtimes of Microsoft and others print NaN and infinity.
+    // NaN and infinity as printed by the runtimes of Microsoft and others.
     if lower.starts_with("nan") || lower.starts_with("1.#") {
         return Some(f64::NAN);
     }
@@ -151,7 +151,7 @@ pub(in crate::io) fn quoted(token: &[u8]) -> String {
     )
 }
 
-/// Rows of text between two looks at whether they are still wanted.
+/// Rows of text between two checks for cancellation.
 const ROWS_AT_ONCE: usize = 1 << 14;
 
 /// Tells `progress` now and then, and when they are, that the first `row` of `rows` are read; fails once they are not

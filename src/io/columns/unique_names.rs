@@ -42,7 +42,7 @@ impl UniqueNames {
 
 /// Returns the warning about properties or fields of the same name: the position of each, its name, and its new name.
 pub(in crate::io) fn duplicate_warning(owner: &str, duplicates: &[(usize, String, String)]) -> Option<String> {
-    /// More is not read by anybody.
+    /// Max number of names in the message.
     const MAX_NAMED: usize = 8;
     let (line, _, _) = duplicates.first()?;
     let named = duplicates.iter().take(MAX_NAMED);

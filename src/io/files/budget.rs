@@ -1,8 +1,8 @@
-//! The memory of reading a file, held against the limit before it is taken.
+//! The memory of reading a file, checked against the limit before it is allocated.
 //!
-//! [`ReadOptions::max_memory_bytes`] is the limit of the peak, not of the file. Whoever reads says what is in memory
-//! already ([`ReadOptions::holding`]: the file, what it was unpacked to, parsed columns) and asks before anything else
-//! is allocated ([`ReadOptions::claim`], [`ReadOptions::reserve`]): a claim that does not fit is refused in a sentence.
+//! [`ReadOptions::max_memory_bytes`] is the limit of the peak, not of the file. Readers declare memory already in use
+//! ([`ReadOptions::holding`]: the file, its unpacked bytes, parsed columns) and ask before every further allocation
+//! ([`ReadOptions::claim`], [`ReadOptions::reserve`]): a claim that does not fit is refused with a message.
 
 use crate::io::error::Fault;
 use crate::io::options::ReadOptions;
@@ -21,7 +21,7 @@ impl ReadOptions {
         self.max_memory_bytes.saturating_sub(self.held_bytes)
     }
 
-    /// Fails where `bytes` more, which `what` would take, are beyond the limit.
+    /// Fails if `bytes` more, for `what`, exceed the limit.
     pub(in crate::io) fn claim(&self, what: &str, bytes: u64) -> Result<(), Fault> {
         if bytes > self.left_bytes() {
             return Err(Fault::too_large(what, bytes, self));
@@ -34,8 +34,8 @@ impl ReadOptions {
         self.claim(what, (count as u64).saturating_mul(entry_bytes as u64))
     }
 
-    /// Makes room for `more` entries in a list whose length nothing tells beforehand: it doubles, as far as there is
-    /// memory. The list before, which is copied, and what the allocator keeps of it count as well.
+    /// Reserves space for `more` entries in a list of unknown final length: it doubles, as far as memory allows. The
+    /// previous list, which is copied, and memory retained by the allocator count as well.
     pub(in crate::io) fn reserve<T>(&self, list: &mut Vec<T>, more: usize, what: &str) -> Result<(), Fault> {
         if list.capacity() - list.len() >= more {
             return Ok(());

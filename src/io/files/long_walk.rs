@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 /// Time before the first word, and between two.
 const BETWEEN_WORDS: Duration = Duration::from_secs(5);
 
-/// Steps between two looks at the clock.
+/// Steps between two checks of the clock.
 const STEPS_PER_LOOK: u32 = 256;
 
 /// A walk from the beginning of a file to its end.

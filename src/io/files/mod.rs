@@ -1,5 +1,4 @@
-//! A file on its way in: memory it may take, bytes that are counted or unpacked; other files that it
-//! names.
+//! Input files: memory limits, counted and unpacked bytes, other files that they name.
 
 pub(super) mod budget;
 pub(crate) mod long_walk;

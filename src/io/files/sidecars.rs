@@ -10,7 +10,7 @@ use std::path::{Component, Path};
 /// The bytes of the file that the one at `path` calls `name`, not more than `max_bytes`.
 ///
 /// # Errors
-/// What is wrong with it, as the end of a sentence about the file at `path`.
+/// Its fault, as the end of a sentence about the file at `path`.
 pub(in crate::io) fn read(name: &str, path: &Path, max_bytes: u64, options: &ReadOptions) -> Result<Vec<u8>, String> {
     let outside = || {
         format!(

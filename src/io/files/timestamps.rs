@@ -1,21 +1,21 @@
 //! Times in file names, and in lists of times.
 //!
-//! Recorders name frames by when they were taken; others number them. A number is believed to be a time only if it
-//! cannot well be a counter:
+//! Recorders name frames by their times; other programs number them. A number is taken for a time only if it is
+//! unlikely to be a counter:
 //!
 //! - a date and a time of day, `20121214T142255.814212` or `2012-12-14_14-22-55-814`, in range (no month 13). Eight
-//!   digits alone may be a date, but a day is no time of a frame, and as well a counter.
+//!   digits alone may be a date, but a day is not the time of a frame, and may be a counter as well.
 //! - seconds with a fraction, `1305031102.175304`: seven or more digits, a point, three to nine digits. Counters have
 //!   no fraction; versions (`v1.25`) and sizes (`0.5`) are shorter.
 //! - seconds and nanoseconds, `1583836591_182590976`: ten digits and nine.
 //! - a time of day, `12-59-58`: three numbers of two digits and no others, each a few minutes after the one before at
 //!   most.
 //! - 16 or 19 digits: micro- or nanoseconds since 1970, from 2001 on (a first digit that is not 0): counters are padded
-//!   to ten digits at most. Ten and thirteen digits (seconds, milliseconds) are left: padded counters and serial
-//!   numbers are as long.
+//!   to ten digits at most. Ten and thirteen digits (seconds, milliseconds) are not accepted: padded counters and
+//!   serial numbers are as long.
 //!
-//! All names must have a time of the same kind and the times must grow in the order of the names; else it is no time of
-//! them, as one of a thousand clouds with a date in its name says nothing about the others.
+//! All names must have a time of the same kind and the times must grow in the order of the names; else the numbers are
+//! not times, as one of a thousand clouds with a date in its name says nothing about the others.
 
 use std::path::Path;
 use std::time::Duration;
@@ -41,11 +41,11 @@ impl TimeNotation {
     ];
 }
 
-/// Times of day are no times of frames that are further apart.
+/// Times of day further apart are not times of frames.
 const MAX_STEP: Duration = Duration::from_mins(5);
 
-/// Returns the timestamps in `names`, which are in order: since 1970, or since an epoch of their own. All are `None`
-/// unless all are times that increase.
+/// Returns the timestamps in `names`, which are in order: since 1970, or since another epoch. All are `None` unless all
+/// are times that increase.
 pub(crate) fn times_of_names(names: &[&str]) -> Vec<Option<Duration>> {
     let of_notation = |notation: TimeNotation| -> Option<Vec<Option<Duration>>> {
         let times: Vec<Duration> = names
@@ -56,10 +56,10 @@ pub(crate) fn times_of_names(names: &[&str]) -> Vec<Option<Duration>> {
         // If they are three two-digit counters, there is a step of more than a few minutes somewhere.
         let is_close = |pair: &[Duration]| pair[1].saturating_sub(pair[0]) <= MAX_STEP;
         let grow = grow && (notation != TimeNotation::TimeOfDay || times.windows(2).all(is_close));
-        // The name of a single file says when it was recorded, not which frame it is.
+        // The name of a single file has its recording time, not its place among frames.
         (grow && times.len() > 1).then(|| times.into_iter().map(Some).collect())
     };
-    // A date may be that of the whole recording: then another number in the names is the time.
+    // A date may belong to the whole recording: then another number in the names is the time.
     let found = TimeNotation::ALL.into_iter().find_map(of_notation);
     found.unwrap_or_else(|| vec![None; names.len()])
 }
@@ -109,7 +109,7 @@ fn time_of_day(text: &str) -> Option<Duration> {
 fn time_of_name(name: &str, notation: TimeNotation) -> Option<Duration> {
     let path = Path::new(name);
     let file = path.file_name()?.to_str()?;
-    // Whatever follows the last dot is an extension unless it is a number.
+    // The part after the last dot is an extension unless it is a number.
     let stem = match file.rsplit_once('.') {
         Some((stem, extension)) if !extension.bytes().all(|byte| byte.is_ascii_digit()) => stem,
         _ => file,
@@ -136,7 +136,7 @@ struct NumberRun<'a> {
 }
 
 fn runs(text: &str) -> Vec<NumberRun<'_>> {
-    /// More are no name of a frame.
+    /// Max runs of digits in the name of a frame.
     const MAX_RUNS: usize = 32;
     let mut runs = Vec::new();
     let mut rest = text;
@@ -158,7 +158,7 @@ fn runs(text: &str) -> Vec<NumberRun<'_>> {
     runs
 }
 
-/// Year, month, day, hour, minute, second and what is after the second.
+/// Year, month, day, hour, minute, second and its fraction.
 fn date(runs: &[NumberRun<'_>]) -> Option<Duration> {
     let mut fields = Vec::new();
     let mut runs = runs.iter();

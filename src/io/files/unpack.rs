@@ -1,7 +1,7 @@
-//! Packed bytes to plain ones, never more than was claimed and is allowed.
+//! Decompression, limited to the claimed and the allowed size.
 //!
-//! What a file claims is held against the limit before anything is unpacked, and room is made for that at once: lists
-//! that double as bytes come would take up to three times as much. A bomb ends at the byte behind its claim.
+//! The claim of a file is checked against the limit before anything is unpacked, and its memory is allocated at once:
+//! lists that double as bytes come would take up to three times as much. A bomb ends at the byte behind its claim.
 
 use crate::io::options::ReadOptions;
 use crate::memory;
@@ -43,7 +43,7 @@ pub(in crate::io) fn reader<'a>(packing: Packing, packed: impl Read + 'a) -> io:
     })
 }
 
-/// Unpacks what claims to be `claimed_bytes`; the error is a sentence without its place.
+/// Unpacks a stream that claims `claimed_bytes`; the error is a sentence without position.
 pub(in crate::io) fn unpack(
     packing: Packing,
     packed: impl Read,
@@ -64,10 +64,10 @@ pub(in crate::io) fn unpack(
     Ok(bytes)
 }
 
-/// Unpacks all gzip streams of `packed`, which say only in their last bytes how much they are.
+/// Unpacks all gzip streams of `packed`, whose size is only in their last bytes.
 ///
 /// Those bytes are tried first. Where there are several streams, or more than 4 GiB, all is unpacked once to count it:
-/// a list that doubles until it is large enough would take twice of what comes out.
+/// a list that doubles until it is large enough would take twice the unpacked size.
 pub(in crate::io) fn unpack_gzip(mut packed: impl Read + Seek, options: &ReadOptions) -> Result<Vec<u8>, String> {
     let limit_bytes = options.left_bytes();
     let claimed_bytes = claim_of_gzip(&mut packed).map_err(failed)?;

@@ -43,8 +43,8 @@ impl Zone {
         f64::from(self.number) * ZONE_DEGREES - 183.0
     }
 
-    /// Returns the zone of the centre of `places`, longitudes and latitudes in degrees; `None` if there is no number
-    /// among them.
+    /// Returns the zone of the centre of `places`, longitudes and latitudes in degrees; `None` if none of them is a
+    /// number.
     pub(in crate::io) fn of_center(places: impl Iterator<Item = [f64; 2]>) -> Option<Self> {
         let (mut longitudes, mut latitudes): (Vec<f64>, Vec<f64>) = places
             .filter(|place| place.iter().all(|angle| angle.is_finite()))
@@ -64,7 +64,7 @@ impl Zone {
         (-90.0..=90.0).contains(&latitude) && (-180.0..=360.0).contains(&longitude)
     }
 
-    /// [`Self::project`], or what is wrong with a place too far from the zone.
+    /// [`Self::project`], or an error for a place too far from the zone.
     pub(in crate::io) fn project_near(self, longitude: f64, latitude: f64) -> Result<[f64; 2], String> {
         if self.degrees_from_meridian(longitude).abs() > MAX_DEGREES {
             return Err(format!(
@@ -161,8 +161,8 @@ mod tests {
 
     #[test]
     fn projected_distances_match_ground_distances() {
-        // A second of latitude is 30.9 m, one of longitude is that times the cosine, scaled by the scale factor of the
-        // zone.
+        // An arc second of latitude is 30.9 m, one of longitude is that times the cosine, scaled by the scale factor of
+        // the zone.
         let zone = Zone::of(-49.84, 69.33);
         let [x, y] = zone.project(-49.84, 69.33);
         let second = 1.0 / 3600.0;

@@ -1,4 +1,4 @@
-//! Bytes that are counted as they are read, until nobody wants them any more.
+//! Bytes that are counted as they are read, until cancelled.
 
 use crate::io::error::IoError;
 use crate::progress::Progress;
@@ -69,7 +69,7 @@ fn read_opened(file: &mut File, length: u64, progress: &Progress) -> io::Result<
     Ok(bytes)
 }
 
-/// Returns the error of a cancelled read, which is never reported: whoever cancelled knows it.
+/// Returns the error of a cancelled read, which is never reported.
 pub(in crate::io) fn cancelled() -> io::Error {
     io::Error::other("cancelled")
 }

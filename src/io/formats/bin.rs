@@ -47,7 +47,7 @@ const RING: usize = 4;
 const MAX_DISTANCE: f32 = 1e6;
 /// A thousandth of a micrometre, if the unit is the metre.
 const MIN_DISTANCE: f32 = 1e-9;
-/// Velodyne's intensities are 0 to 255, those of others up to 16 bits.
+/// Velodyne's intensities are 0 to 255, others have up to 16 bits.
 const MAX_INTENSITY: f32 = 65_535.0;
 const MAX_RING: f32 = 255.0;
 /// Minimum decrease of the logarithm of the roughness at which another width is chosen instead of a more common one.
@@ -202,8 +202,8 @@ struct Estimate {
     is_clear: bool,
 }
 
-/// The width among `widths` that fits best; `None` where the file has no such size, an error where its values are none
-/// at all widths.
+/// The width among `widths` that fits best; `None` where no width fits the size of the file, an error where its values
+/// are implausible at all widths.
 fn estimate(bytes: &[u8], widths: &[usize], positions: [usize; 3], min: usize) -> Result<Option<Estimate>, Fault> {
     let mut problem = None;
     let mut smooth: Vec<(usize, f64)> = Vec::new();

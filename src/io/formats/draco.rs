@@ -1,7 +1,7 @@
 //! Draco: compressed point clouds and meshes, by the crate `draco-core`.
 //!
-//! The crate has ceilings for what a file may unpack to, and refuses memory that a file merely claims; a panic within
-//! it becomes an error.
+//! The crate limits the unpacked size of a file, and refuses memory that a file merely claims; a panic within it
+//! becomes an error.
 
 use crate::cloud::{Positions, RawCloud, ScalarField};
 use crate::io::columns::column::{Column, Scalar, Values};
@@ -82,7 +82,7 @@ fn cloud(mesh: &Mesh) -> Result<RawCloud, Fault> {
     Ok(cloud)
 }
 
-/// Makes a scalar field of each number of the attributes that a cloud has no other place for.
+/// Makes a scalar field of each number of the attributes without another place in a cloud.
 fn add_fields(mesh: &Mesh, count: usize, cloud: &mut RawCloud) -> Result<(), Fault> {
     let mut names = UniqueNames::default();
     for index in 0..mesh.num_attributes() {
@@ -148,7 +148,7 @@ fn columns(attribute: &PointAttribute, count: usize) -> Result<[Column<'static>;
     ])
 }
 
-/// One component of an attribute for every point, of which several may share a value.
+/// One component of an attribute for every point; several points may share a value.
 fn column(attribute: &PointAttribute, component: usize, count: usize) -> Result<Column<'static>, Fault> {
     let wrong = || Fault::header("the values of an attribute are not all there");
     let scalar = match attribute.data_type() {

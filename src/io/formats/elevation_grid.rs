@@ -1,4 +1,4 @@
-//! Elevation grids as text: ESRI's ASCII grid (`.asc`, also of GDAL), that of GRASS and Surfer's (`DSAA`).
+//! Elevation grids as text: ESRI's ASCII grid (`.asc`, also of GDAL), GRASS' and Surfer's (`DSAA`).
 //!
 //! A cell with a value is a point: at the centre of the cell in ESRI's and GRASS', at a node in Surfer's. Cells of no
 //! data are skipped, with their number as an assumption. Rows go from north to south, Surfer's from south to north.

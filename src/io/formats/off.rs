@@ -1,8 +1,8 @@
-//! OFF of Geomview: a keyword that says what vertices have, three counts, vertices, then faces.
+//! OFF of Geomview: a keyword with the attributes of vertices, three counts, vertices, then faces.
 //!
-//! `ST`, `C` and `N` before `OFF` announce texture coordinates, colours and normals; but many writers leave the `C`
-//! away, so what stands behind the coordinates in a line counts more than the keyword. Files of `ModelNet40` have the
-//! counts right behind the keyword (`OFF8 12 0`). Text only: the binary variant is refused.
+//! `ST`, `C` and `N` before `OFF` announce texture coordinates, colours and normals; but many writers omit the `C`, so
+//! the numbers after the coordinates in a line count more than the keyword. Files of `ModelNet40` have the counts right
+//! after the keyword (`OFF8 12 0`). Text only: the binary variant is refused.
 
 use crate::cloud::RawCloud;
 use crate::io::columns::column::{Column, Scalar, Values};

@@ -2,9 +2,9 @@
 //! scanner.
 //!
 //! A scan is ten lines of header (columns, rows, position, three axes, four rows of a matrix), followed by one line per
-//! point: `x y z intensity`, and red, green and blue in some files. A row vector times the matrix is the point in the
+//! point: `x y z intensity`, and in some files red, green and blue. A row vector times the matrix is the point in the
 //! coordinates that all scans share; the position and the axes repeat the same pose. Beams without a return are stored
-//! at the scanner: they are kept, as other readers keep them.
+//! at the scanner: they are retained, as in other readers.
 
 use super::xyz::rows::{self, Kind};
 use super::xyz::{self, Dialect};
@@ -31,7 +31,7 @@ pub(in crate::io) const FORMAT: Format = Format::new(&Traits {
 const HEADER_WIDTHS: [usize; 10] = [1, 1, 3, 3, 3, 3, 4, 4, 4, 4];
 /// The first line of the matrix.
 const MATRIX_LINE: usize = 6;
-/// Names of columns, and what they are in the file.
+/// Names of columns, and their types in the file.
 const NAMES: [(&str, Scalar); 7] = [
     ("x", Scalar::F64),
     ("y", Scalar::F64),

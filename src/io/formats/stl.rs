@@ -3,8 +3,8 @@
 //!
 //! The header of a binary file may begin with `solid` like a text file. The two are distinguished by the length: a
 //! binary file has 50 bytes for each of the triangles that it counts. Some writers (`VisCAM`, `SolidView`) store a
-//! colour in the two bytes after a triangle, flagged by the highest bit; a vertex has that of the first triangle it is
-//! a corner of.
+//! colour in the two bytes after a triangle, flagged by the highest bit; a vertex has the colour of the first triangle
+//! it is a corner of.
 
 use crate::cloud::{AxisConvention, Positions, RawCloud};
 use crate::io::columns::numbers::{Tokens, parse_number, quoted};
@@ -67,9 +67,9 @@ struct Mesh {
 }
 
 impl Mesh {
-    /// The number of the vertex at `position`, which is a new one where none is there yet.
+    /// The number of the vertex at `position`, a new one if there is none yet.
     fn vertex(&mut self, position: [f32; 3], color: [u8; 4], options: &ReadOptions) -> Result<u32, Fault> {
-        /// An entry of the index of places, with the room that such tables leave.
+        /// Bytes per entry of the index of positions, including the free slots of such tables.
         const INDEX_BYTES: usize = 40;
         if self.positions.len() == self.positions.capacity() {
             let faces = size_of_val(self.faces.as_slice());

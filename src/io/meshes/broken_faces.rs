@@ -1,7 +1,7 @@
 //! Broken faces of a mesh: their number, the reason for the first, and the position where the file ends within them.
 //!
 //! A few faces with vertices that do not exist are skipped, as are those after the end of a truncated file. Where many
-//! are broken, the faces belong to another file: then all are ignored, and the points are those of a cloud.
+//! are broken, the faces belong to another file: then all are ignored, and the points are a plain cloud.
 
 use crate::cloud::RawCloud;
 use crate::io::error::Fault;
@@ -12,7 +12,7 @@ const MAX_BROKEN: usize = 4;
 /// Broken faces found so far.
 #[derive(Debug, Default)]
 pub(in crate::io) struct BrokenFaces {
-    /// Faces that were looked at.
+    /// Number of examined faces.
     all: usize,
     broken: usize,
     first: Option<Fault>,
@@ -33,7 +33,7 @@ impl BrokenFaces {
         self.end.get_or_insert(fault);
     }
 
-    /// Gives `cloud` the faces that can be used, and says which cannot.
+    /// Adds usable faces to `cloud`, and warns about the others.
     pub(in crate::io) fn put_into(self, triangles: Vec<[u32; 3]>, cloud: &mut RawCloud) {
         let is_other = self.broken * MAX_BROKEN > self.all;
         let has_faces = !is_other && !triangles.is_empty();

@@ -2,15 +2,15 @@
 //!
 //! The faces are put in the order of a curve that fills space (Morton's), so that neighbours on the surface are mostly
 //! neighbours in the order, and their areas are added up along it. Sample `i` of `n` lies at `(i + 1/2) / n` of the
-//! whole area: every face, and every patch of neighbouring faces, gets the number of points that its area is due, give
-//! or take one. Within a face the place is the `i`th of the triangular van der Corput sequence (Basu and Owen, 2015),
+//! whole area: every face, and every patch of neighbouring faces, gets the number of points due to its area, give or
+//! take one. Within a face the place is the `i`th of the triangular van der Corput sequence (Basu and Owen, 2015),
 //! which cuts a triangle into four again and again and visits the parts in turn: consecutive samples keep their
 //! distance, whether a face has one of them or all.
 //!
 //! Only additions, multiplications, divisions and square roots are used, which every machine rounds alike, and nothing
-//! is random: the same mesh gives the same bits everywhere. The places are found apart from the points there
-//! ([`Places::apply`]), so that an animated mesh is sampled once and point `i` is the same place of the surface in
-//! every pose.
+//! is random: the same mesh gives the same bits everywhere. The positions on the surface are found separately from the
+//! points there ([`Places::apply`]), so that an animated mesh is sampled once and point `i` is the same position on the
+//! surface in every frame.
 
 use crate::cloud::{Attributes, Positions, RawCloud};
 use crate::io::error::Fault;
@@ -232,7 +232,7 @@ fn blend(values: [f32; 3], weights: [f32; 3]) -> f32 {
     values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2]
 }
 
-/// The normal within a face: between those of its corners, or its own where they have none or cancel out.
+/// The normal within a face: interpolated between its corners, or its own where they have none or cancel out.
 fn normal(mesh: &RawCloud, corners: [usize; 3], weights: [f32; 3]) -> [f32; 3] {
     let unit = |vector: DVec3| vector.try_normalize().map(|unit| unit.as_vec3().to_array());
     let between = mesh.attributes.normals.as_ref().and_then(|normals| {

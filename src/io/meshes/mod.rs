@@ -1,4 +1,4 @@
-//! Triangles of files: polygons cut into them, broken faces, pictures on them, samples of their surface.
+//! Triangles of files: triangulated polygons, broken faces, textures, samples of their surface.
 
 pub(super) mod broken_faces;
 pub(super) mod mesh;

@@ -1,4 +1,4 @@
-//! Pictures on meshes.
+//! Images on meshes.
 
 use image::{ImageError, ImageReader, Limits, RgbaImage};
 use std::io::Cursor;
@@ -6,7 +6,7 @@ use std::io::Cursor;
 /// Most pixels along an edge.
 const MAX_EDGE_PX: u32 = 1 << 15;
 
-/// The picture in the bytes of a file, which takes no more than `max_bytes`; it has pixels.
+/// The image in the bytes of a file, which takes no more than `max_bytes`; it is not empty.
 pub(in crate::io) fn decode(bytes: &[u8], max_bytes: u64) -> Result<RgbaImage, ImageError> {
     let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format()?;
     let mut limits = Limits::default();

@@ -10,7 +10,7 @@ pub(super) struct WrittenColumn<'a> {
     data: Data<'a>,
 }
 
-/// Source of the numbers: arrays of vectors, of which one component is used, or of numbers.
+/// Source of the numbers: one component of an array of vectors, or an array of numbers.
 #[derive(Clone, Copy)]
 enum Data<'a> {
     Vectors32(&'a [[f32; 3]], usize),
@@ -34,7 +34,7 @@ pub(super) enum Type {
 /// Colour encoding of the output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Colors {
-    /// As bytes of a column whose type says so.
+    /// As bytes of a column with that type.
     Typed,
     /// Untyped numbers with no stated scale. Readers infer the scale from the largest one, so colours that are all
     /// below 2 are written as fractions, which are recognised as such.
@@ -148,8 +148,8 @@ fn unique(name: String, columns: &[WrittenColumn<'_>]) -> String {
 }
 
 impl WrittenColumn<'_> {
-    /// Writes numbers of single precision with the digits that they have in double precision: where nothing says the
-    /// type of a column, readers take fewer for a rounded double.
+    /// Writes numbers of single precision with the digits that they have in double precision: where a column has no
+    /// declared type, readers take fewer for a rounded double.
     pub(super) fn widen(&mut self) {
         if let Data::Numbers(values) = self.data {
             self.data = Data::Offset(values, 0.0);

@@ -1,4 +1,4 @@
-//! One way to write clouds.
+//! Encoder of a file format.
 
 use super::loss::Loss;
 use crate::cloud::RawCloud;
@@ -9,7 +9,7 @@ pub(in crate::io) trait WriteSeek: Write + Seek + Send + Sync {}
 
 impl<T: Write + Seek + Send + Sync> WriteSeek for T {}
 
-/// A format that is written, or one of the ways to write it.
+/// A format that is written, or one of its variants.
 pub(in crate::io) struct Encoder {
     /// The word for it on the command line.
     pub(in crate::io) name: &'static str,
@@ -38,7 +38,7 @@ pub(in crate::io) enum Held {
     Scalars,
     /// Triangles.
     Faces,
-    /// Pictures on triangles.
+    /// Textures of triangles.
     Textures,
     /// Points without coordinates.
     Holes,

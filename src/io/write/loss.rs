@@ -15,15 +15,15 @@ pub enum Loss {
     Field(String),
     /// Triangles.
     Faces,
-    /// Pictures on triangles.
+    /// Textures of triangles.
     Textures,
     /// Rows and columns of an organised cloud.
     Rows,
     /// The position of the sensor.
     Sensor,
-    /// The name of a scalar, and what it is written as.
+    /// The name of a scalar, and its name in the output.
     Name(String, String),
-    /// Values of a scalar that are rounded or clamped, and to what.
+    /// Values of a scalar that are rounded or clamped, and their target.
     Values(String, String),
     /// Source data that was not read, in words.
     Dropped(String),
@@ -70,7 +70,7 @@ impl Loss {
 }
 
 impl Losses {
-    /// Adds that one frame loses so many of something, or by so much.
+    /// Adds a loss of one frame: a count or an error.
     pub fn add(&mut self, loss: Loss, amount: f64) {
         self.add_tally(loss, Tally { frames: 1, amount });
     }
@@ -86,14 +86,14 @@ impl Losses {
         };
     }
 
-    /// Adds what was not read of the file of `cloud`.
+    /// Adds the unread parts of the file of `cloud`.
     pub fn add_dropped(&mut self, cloud: &RawCloud) {
         for entry in &cloud.dropped {
             self.add(Loss::Dropped(entry.what.clone()), 0.0);
         }
     }
 
-    /// Adds those of other frames.
+    /// Adds losses of other frames.
     pub fn merge(&mut self, others: Self) {
         for (loss, tally) in others.0 {
             self.add_tally(loss, tally);
@@ -110,8 +110,8 @@ impl Losses {
         self.0.keys()
     }
 
-    /// A line per kind: what `format` cannot hold, in how many of `frame_count` frames if not in all. Fields of as many
-    /// frames are one line.
+    /// One line per kind: the loss in `format`, and the number of affected frames if not all of `frame_count`. Fields
+    /// of the same number of frames share a line.
     pub fn lines(&self, format: &str, frame_count: usize) -> Vec<String> {
         let of_frames = |line: String, frames: usize| match frames {
             frames if frames >= frame_count => line,

@@ -1,7 +1,7 @@
-//! Losses of a cloud in a format, by comparing what it has with what the format holds.
+//! Losses of a cloud in a format, by comparing its attributes with those that the format holds.
 //!
-//! **How it works.** An [`Encoder`] lists what its format holds ([`Held`]). What the cloud has and the list has not is
-//! a [`Loss`], as is what the encoder itself finds, such as coordinates that are rounded.
+//! **How it works.** An [`Encoder`] lists the attributes of its format ([`Held`]). An attribute of the cloud that is
+//! not listed is a [`Loss`], as are the encoder's own findings, such as rounded coordinates.
 
 use super::encoder::{Encoder, Held};
 use super::loss::{Loss, Losses};

@@ -1,7 +1,7 @@
 //! Writing clouds to files that other programs read.
 //!
-//! A cloud is a list of named columns ([`columns`]), which every format writes in its own way. Double precision stays
-//! double precision where the format has it. Text has the shortest digits that are read back as the same number.
+//! A cloud is a list of named columns ([`columns`]), which every format writes in its own layout. Double precision
+//! stays double precision where the format has it. Text has the shortest digits that are read back as the same number.
 
 mod columns;
 mod encoder;

@@ -1,9 +1,9 @@
-//! A table of numpy: all columns are of one type, and nothing names them.
+//! A table of numpy: all columns have one type and no names.
 //!
 //! That is enough for a colour, a normal, both, or a scalar called `scalar` alone or before a colour: their number
-//! tells what they are (see the reader of text). Where there is more, a field has a name, or the values would tell
-//! something else (normals that are all upright look like a dark colour), rows are records with the names of their
-//! fields.
+//! determines their meaning (see the reader of text). Where there are more, a field has a name, or the values would
+//! suggest another meaning (normals that are all upright look like a dark colour), rows are records with the names of
+//! their fields.
 
 use super::columns::{CHUNK_BYTES, Colors, Type, WrittenColumn, columns};
 use super::encoder::{Encoder, Held, WriteSeek};

@@ -1,13 +1,13 @@
 //! Building an octree from Morton codes (the 4D media paper §VI-A).
 //!
 //! How it works:
-//! 1. Points become 63-bit Morton codes, which are sorted. The points of any cell of any level now stand together.
+//! 1. Points become 63-bit Morton codes, which are sorted. The points of any cell of any level are now contiguous.
 //! 2. For each code the level at which it *parts* from the one before it is noted: it is the first point of its cell
 //!    there and on every deeper level. A histogram of these levels, summed up, counts the occupied cells of every
-//!    level, so one scan answers the stop criterion for all depths.
+//!    level, so one scan evaluates the stop criterion for all depths.
 //!
-//! That is all: nodes are read off the parting levels when they are asked for. Leaves on several levels are runs of
-//! points (`spacing.rs`); those of at most so many points, which the paper only compares with, are counted by going
+//! That is all: nodes are read off the parting levels on demand. Leaves on several levels are runs of
+//! points (`spacing.rs`); leaves of at most N points, which the paper only compares with, are counted by going
 //! through the tree once.
 
 use super::sorted_points::SortedPoints;
@@ -19,10 +19,10 @@ use glam::Vec3;
 use std::sync::Arc;
 
 impl Octree {
-    /// Builds the octree of `positions` down to the level that `stop` asks for.
+    /// Builds the octree of `positions` down to the level that `stop` determines.
     ///
     /// Colours are averaged per cell on every level. No points make an octree without nodes; one point, or points that
-    /// all coincide, a root that is a leaf. The answer depends on the arguments alone. Points that stand in Morton
+    /// all coincide, a root that is a leaf. The result depends on the arguments alone. Points that are in Morton
     /// order already are not sorted again.
     ///
     /// # Panics

@@ -1,16 +1,16 @@
 //! The byte code of an octree: one mask byte for each internal node, breadth-first (the 4D media paper §VI-A).
 //!
 //! The bytes of a level say how many bytes the next level has, so the code needs no lengths, and any byte lost, added
-//! or emptied is noticed. What cannot be noticed is an octant moved within its byte.
+//! or emptied is noticed. An octant moved within its byte cannot be noticed.
 //!
-//! How it works: a level at a time, cells as *location codes*: a one, and below it the Morton code of the cell, three
-//! bits a level (the keys of Warren & Salmon 1993, A Parallel Hashed Oct-Tree N-Body Algorithm, §3.1). They name a cell
-//! of any level in one word: the root is 1, and a cell of level 21 fills all 64 bits.
+//! How it works: level by level, cells as *location codes*: a one, and below it the Morton code of the cell, three bits
+//! per level (the keys of Warren & Salmon 1993, A Parallel Hashed Oct-Tree N-Body Algorithm, §3.1). They name a cell of
+//! any level in one word: the root is 1, and a cell of level 21 fills all 64 bits.
 
 use super::{Octree, stop::Leaves};
 use crate::math::morton::{self, LEVELS};
 
-/// Why a byte code is not that of an octree.
+/// Reason why a byte code is not valid for an octree.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OctreeError {
@@ -27,7 +27,7 @@ pub enum OctreeError {
         level: u32,
         /// Nodes on that level.
         expected: usize,
-        /// Bytes left for them.
+        /// Remaining bytes.
         found: usize,
     },
     /// An internal node without children.
@@ -48,7 +48,7 @@ pub enum OctreeError {
 
 impl Octree {
     /// One byte for each node above the deepest level, breadth-first; bit `o` is set when octant `o` is occupied, none
-    /// is for a leaf. Together with the depth it is the whole shape of the tree (000 §VI-A): see
+    /// is for a leaf. Together with the depth it is the whole shape of the tree (the 4D media paper §VI-A): see
     /// [`Octree::cells_from_masks`].
     pub fn masks(&self) -> Vec<u8> {
         match self.leaves {
@@ -80,10 +80,10 @@ impl Octree {
         masks
     }
 
-    /// The occupied cells at level `depth` that a byte code stands for, as integer coordinates below `2^depth`, in
+    /// The occupied cells at level `depth` that a byte code encodes, as integer coordinates below `2^depth`, in
     /// Morton order.
     ///
-    /// At depth 0 the code has no bytes and stands for the root. (An octree without points has no code: nothing to
+    /// At depth 0 the code has no bytes and means the root. (An octree without points has no code: nothing to
     /// store.) Memory is bounded by the bytes there are: eight cells for each.
     pub fn cells_from_masks(masks: &[u8], depth: u32) -> Result<Vec<[u32; 3]>, OctreeError> {
         if depth > LEVELS {

@@ -1,6 +1,6 @@
-//! Cache of the records of all nodes of a level, kept where it is drawn repeatedly.
+//! Cache of the records of all nodes of a level, for levels that are drawn repeatedly.
 //!
-//! How it works: a level of which the same number of points was read as it has is computed completely and kept, and the
+//! How it works: once as many points were read for a level as it has, it is computed completely and cached, and the
 //! drawn parts of it are contiguous ranges. So a frame that is seen once reads each point once, and a moving view
 //! copies, at no more than twice the cost of the copied records.
 //!
@@ -27,7 +27,7 @@ pub(super) struct CachedLevels<R> {
 
 #[derive(Debug)]
 struct CachedLevel<R> {
-    /// Points read for nodes of the level that were not kept.
+    /// Points read for nodes of the level that were not cached.
     points_read: AtomicUsize,
     records: OnceLock<LevelRecords<R>>,
 }
@@ -41,7 +41,7 @@ pub(super) struct LevelRecords<R> {
     nodes_before: Vec<u32>,
 }
 
-/// The levels that are kept, by their number.
+/// The cached levels, by their number.
 pub(super) type Cached<'a, R> = [Option<&'a LevelRecords<R>>; LEVEL_COUNT];
 
 impl<R> Default for CachedLevels<R> {
@@ -57,15 +57,14 @@ impl<R> Default for CachedLevels<R> {
 }
 
 impl<R> CachedLevels<R> {
-    /// Most bytes that levels of so many nodes can come to.
+    /// Maximum number of bytes of levels with this many nodes.
     pub(super) fn max_bytes(node_counts: &[usize], point_count: usize) -> usize {
         let ranks = point_count / RANK_POINTS + 1;
         let bytes = |count: &usize| count * size_of::<R>() + ranks * size_of::<u32>();
         node_counts.iter().map(bytes).sum()
     }
 
-    /// The levels that are kept of those that some nodes, which are about to be written, are on; this may be the time
-    /// to begin with one.
+    /// The cached levels among those of some nodes that are about to be written; this may start caching one.
     pub(super) fn cached<'r, W: NodeWriter<Record = R>>(
         &self,
         ranges: impl Iterator<Item = &'r NodeRange>,
@@ -87,12 +86,12 @@ impl<R> CachedLevels<R> {
         })
     }
 
-    /// A level, if it is kept.
+    /// A level, if it is cached.
     pub(super) fn known(&self, level: usize) -> Option<&LevelRecords<R>> {
         self.levels[level].records.get()
     }
 
-    /// A level, worked out if it is not kept yet.
+    /// A level, computed if it is not cached yet.
     pub(super) fn level<W: NodeWriter<Record = R>>(
         &self,
         level: u32,
@@ -142,7 +141,7 @@ impl<R> LevelRecords<R> {
         &self.records[self.places(range, points)]
     }
 
-    /// The places of consecutive nodes among those of the level.
+    /// The indices of consecutive nodes among those of the level.
     pub(super) fn places(&self, range: &NodeRange, points: &SortedPoints) -> Range<usize> {
         self.rank(range.points.start, points)..self.rank(range.points.end, points)
     }
@@ -189,7 +188,7 @@ mod tests {
         drawn(&tree, &positions, &colors, &at(4.0, 6.0));
         assert_eq!(cached(&tree), [0; 0]);
         for turn in 0..6 {
-            // From inside, only part of it is visible: pieces of levels, between those of others.
+            // From inside, only part of it is visible: pieces of levels, between pieces of others.
             for (distance, lod_px) in [(4.0, 6.0), (0.9, 6.0), (2.0, 24.0), (2.0, 0.0)] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(1 + turn % 3);
                 pool.build().unwrap().install(|| {

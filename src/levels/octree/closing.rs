@@ -8,7 +8,7 @@
 //! axis, after which 13 comparisons close all cells of the block.
 //!
 //! When it wins: blocks around are looked up once, so a cell costs about as much as a few comparisons. Blocks without
-//! adjacent leaves are not looked at.
+//! adjacent leaves are not tested.
 
 use super::gap::Gap;
 use super::sorted_points::SortedPoints;
@@ -16,7 +16,7 @@ use super::stop::LeafRun;
 use crate::math::morton;
 use rayon::prelude::*;
 
-/// Times that cells are closed: holes of so many cells along each axis disappear at most.
+/// Number of closing steps: holes of up to this many cells along each axis disappear.
 const PASSES: usize = 3;
 
 /// Blocks that are worth handing to another thread.
@@ -25,14 +25,14 @@ const BLOCKS_PER_TASK: usize = 64;
 /// Cells along an edge of a block.
 const EDGE: u32 = 4;
 
-/// Along each axis: how many places the next cell is away in the word of a block, and the cells on its lower side.
+/// Along each axis: the distance to the next cell in the word of a block, and the cells on its lower side.
 const AXES: [(u32, u64); 3] = [
     (1, 0x1111_1111_1111_1111),
     (EDGE, 0x000f_000f_000f_000f),
     (EDGE * EDGE, 0xffff),
 ];
 
-/// Along each axis: how many places the next block, or direction, is away among 27.
+/// Along each axis: the distance to the next block, or direction, among 27.
 const STEPS: [usize; 3] = [1, 3, 9];
 
 /// Cell masks of a block and of its neighbours, x fastest: cells, bit `x + 4y + 16z`.
@@ -51,9 +51,9 @@ pub(super) struct LevelCells {
     level: u8,
     /// The first point of each, and the number of points.
     firsts: Vec<u32>,
-    /// The first stands for all that there are not.
+    /// The first stands for all absent blocks.
     blocks: Vec<OccupancyBlock>,
-    /// Numbers of blocks by their places; 0 where there is none.
+    /// Numbers of blocks by their positions; 0 where there is none.
     table: Vec<u32>,
 }
 
@@ -146,7 +146,7 @@ impl LevelCells {
         found.flatten().collect()
     }
 
-    /// The number of the block that is at a place; 0 if there is none.
+    /// The number of the block at a position; 0 if there is none.
     fn number_at(&self, place: [u32; 3]) -> u32 {
         let mut slot = slot_of(place, self.table.len());
         loop {
@@ -254,7 +254,7 @@ impl LevelCells {
     }
 }
 
-/// Numbers of blocks by their places: open addressing with as many slots again as there are blocks, or more.
+/// Numbers of blocks by their positions: open addressing with at least twice as many slots as blocks.
 fn table_of(blocks: &[OccupancyBlock]) -> Vec<u32> {
     let slots = (2 * blocks.len()).next_power_of_two();
     let mut table = vec![0; slots];
@@ -280,12 +280,12 @@ const fn bit_of([x, y, z]: [u32; 3]) -> u32 {
     x % EDGE + EDGE * (y % EDGE) + EDGE * EDGE * (z % EDGE)
 }
 
-/// The place in its block of the cell that has a bit.
+/// The position in its block of the cell of a bit.
 const fn bit_place(bit: u32) -> [u32; 3] {
     [bit % EDGE, bit / EDGE % EDGE, bit / (EDGE * EDGE)]
 }
 
-/// The places of bits in Morton order.
+/// The positions of bits in Morton order.
 const MORTON: [u8; 64] = {
     let mut places = [0; 64];
     let mut bit = 0;

@@ -10,7 +10,7 @@ pub(super) type ColorSum = u64;
 
 const FIELD_BITS: u32 = 21;
 
-/// So many colours have sums that fit a field.
+/// The sums of this many colours fit a field.
 pub(super) const MAX_SUMMED: u32 = 1 << 13;
 
 /// Colours whose sums are made together: few, so that registers and the first cache hold them until they are in their
@@ -62,7 +62,7 @@ fn add(sum: ColorSum, color: [u8; 4]) -> ColorSum {
     sum.wrapping_add(red | green | blue)
 }
 
-/// The sum of a block, in fields of 16 bits, which hold so many bytes: two of them in one number.
+/// The sum of a block, in fields of 16 bits, two in one number; a field holds the sum of this many bytes.
 fn total(colors: &[[u8; 4]; SUM_BLOCK]) -> ColorSum {
     let (mut red_and_blue, mut green) = (0, 0);
     for &color in colors {

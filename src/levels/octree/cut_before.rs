@@ -1,4 +1,4 @@
-//! The cut of the view before, as a traversal asks it.
+//! The cut of the previous view, as a traversal queries it.
 
 use crate::levels::cut::{Cut, NodeRange};
 

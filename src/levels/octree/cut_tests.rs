@@ -34,7 +34,7 @@ fn cut(tree: &Octree, view: &SelectView, before: Option<&Cut>) -> Cut {
 }
 
 #[test]
-fn a_budget_is_used_as_far_as_whole_steps_of_the_threshold_allow() {
+fn a_budget_is_used_to_within_one_threshold_step() {
     let tree = torus_tree(20_000);
     let view = view_from(Vec3::new(0.5, 2.0, 3.0), Vec3::ZERO, 0.5);
     let all = cut(&tree, &view, None).node_count();
@@ -49,7 +49,7 @@ fn a_budget_is_used_as_far_as_whole_steps_of_the_threshold_allow() {
         if max_nodes >= all {
             assert_eq!(lod_px, 0.5, "no coarser than asked");
         } else {
-            // A 32nd of an octave finer would be too many.
+            // A 32nd of an octave finer would exceed the limit.
             let finer = SelectView {
                 lod_px: (lod_px / 2f32.powf(0.032)).max(0.5),
                 ..view
@@ -77,7 +77,7 @@ fn a_small_move_back_and_forth_changes_no_level() {
             before = now;
         }
         assert!(changes_without > 20, "there was something to keep");
-        // A large move is followed.
+        // A large camera move changes the cells.
         let near = cut(&tree, &at(1.5), Some(&before));
         assert_ne!(cells(&tree, &near), first);
     }
@@ -87,9 +87,9 @@ fn a_small_move_back_and_forth_changes_no_level() {
 /// leaf in view is covered once, and every decision is the one that a cell by itself would make. The order is that of a
 /// plain traversal.
 #[test]
-fn cuts_are_those_of_one_cell_after_the_other() {
+fn cuts_match_visiting_cells_one_by_one() {
     let even = torus_surfels(4_000, 1);
-    // Cells of more points than are looked at together.
+    // Cells with more points than are examined together.
     let crowded = torus_surfels(300, 50);
     // Leaves on several levels.
     let uneven = uneven_surfels();
@@ -128,7 +128,7 @@ fn cuts_are_those_of_one_cell_after_the_other() {
     assert!(cached > 30 && hidden > 100, "hints mattered: {cached} {hidden}");
 }
 
-/// Surfels of as many places on a torus, several points in each.
+/// Surfels at this many places on a torus, several points in each.
 fn torus_surfels(places: usize, points_per_place: usize) -> LodSurfels {
     let torus = test_shapes::torus(places, 0.4, &mut Random(31));
     surfels_of(&torus, points_per_place, StopCriterion::Depth(6))
@@ -237,7 +237,7 @@ fn cells_one_by_one(
 }
 
 #[test]
-fn a_budget_keeps_its_threshold_while_it_fits() {
+fn a_budgeted_threshold_is_retained_while_it_fits() {
     let tree = torus_tree(20_000);
     let at = |distance: f32| view_from(Vec3::new(0.5, 2.0, distance), Vec3::ZERO, 0.5);
     let first = tree.cut_at_most(3_000, &at(3.0), CutHints::default());
@@ -246,7 +246,7 @@ fn a_budget_keeps_its_threshold_while_it_fits() {
         before: Some(&first),
         ..CutHints::default()
     };
-    // Farther away fewer cells are needed, but not many fewer.
+    // From farther away fewer cells are needed, but not many fewer.
     let cached = tree.cut_at_most(3_000, &at(3.1), hints);
     assert_eq!(cached.lod_px(), lod_px);
     assert!((2_250..=3_000).contains(&cached.node_count()));
@@ -257,7 +257,7 @@ fn a_budget_keeps_its_threshold_while_it_fits() {
 }
 
 #[test]
-fn the_octants_of_the_root_come_nearest_first() {
+fn root_octants_are_ordered_nearest_first() {
     let tree = torus_tree(20_000);
     let view = view_from(Vec3::new(2.5, 1.5, -3.0), Vec3::ZERO, 0.0);
     let cut = cut(&tree, &view, None);

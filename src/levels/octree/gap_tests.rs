@@ -61,7 +61,7 @@ fn check(tree: &Octree) {
         let place = cell.map(|coordinate| coordinate as i32);
         let is_new = found.entry(level).or_default().insert(place);
         assert!(is_new, "{gap:?} twice");
-        // It is drawn as a whole leaf of its level that touches it.
+        // It is drawn by a whole leaf of its level that touches it.
         let [first, end] = gap.leaf.map(|point| point as usize);
         assert!(tree.is_leaf(level, &(first..end)));
         assert_eq!(tree.points.next_beginning(level, first + 1, tree.point_count()), end);
@@ -83,7 +83,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(32))]
 
     #[test]
-    fn gaps_are_those_of_a_search_of_all_cells(
+    fn gaps_match_a_search_of_all_cells(
         seed: u64,
         count in 1usize..3_000,
         stretch in prop::array::uniform3(0.001f32..1.0),
@@ -101,8 +101,8 @@ proptest! {
 }
 
 #[test]
-fn a_missing_cell_of_a_plane_is_closed_and_nothing_beyond_its_edge() {
-    // Four points a cell, of 16 cells along each edge; none in some, at borders of blocks of 4 as well.
+fn missing_cells_of_a_plane_are_filled_and_none_beyond_its_edge() {
+    // Four points per cell, of 16 cells along each edge; none in some, including ones at borders of blocks of 4.
     let holes = [[5, 5], [7, 8], [8, 3], [12, 12], [0, 9]];
     let mut positions = Vec::new();
     for x in 0..16 {
@@ -127,7 +127,7 @@ fn a_missing_cell_of_a_plane_is_closed_and_nothing_beyond_its_edge() {
 }
 
 #[test]
-fn gaps_have_the_colours_of_leaves_and_places_of_their_own() {
+fn filled_gaps_have_leaf_colors_and_distinct_positions() {
     let positions = test_shapes::sphere(20_000, &mut Random(4)).positions;
     let tree = tree_of(&positions);
     let view = view_from(Vec3::new(2.0, 3.0, 4.0), Vec3::ZERO, 0.0);
@@ -148,7 +148,7 @@ fn gaps_have_the_colours_of_leaves_and_places_of_their_own() {
         let leaf = by_cell[&(level, adjacent)];
         assert_eq!((leaf.color, leaf.level), (voxel.color, voxel.level));
     }
-    // Of coarser cells there are none: they are closed.
+    // There are no gaps between coarser cells: they are closed.
     let coarse = tree.cut(
         &SelectView {
             deepest_level: 3,

@@ -1,8 +1,8 @@
 //! Gap filling: cells without points that are drawn between leaves, to close surfaces whose cells are about as small as
 //! the spacing.
 //!
-//! How it works: of the cells that a surface passes some hold no point, as points lie at random or the surface only
-//! grazes them, and what is behind shows through. Those that touch a leaf and are found by morphological closing
+//! How it works: some cells that a surface crosses hold no point, as points are random or the surface only
+//! grazes them, and the background shows through. Those that touch a leaf and are found by morphological closing
 //! (`closing.rs`) are gaps, and are drawn as that leaf is, where the leaf is in the cut. No gap is beyond the outline
 //! of the points.
 //!
@@ -70,7 +70,7 @@ impl Octree {
     }
 }
 
-/// Adds the records of gaps: those of the adjacent leaves.
+/// Adds the records of gaps: the records of the adjacent leaves.
 pub(super) fn add_gaps<W: NodeWriter>(gaps: &[Gap], writer: &W, out: &mut Vec<W::Record>) {
     let before = out.len();
     out.resize(before + gaps.len(), W::Record::zeroed());

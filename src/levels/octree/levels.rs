@@ -15,7 +15,7 @@ pub struct VoxelLevels {
 }
 
 impl Octree {
-    /// Replaces the contents of `out` by the voxels that stand for the cloud in `view`: those of [`Levels::cut`],
+    /// Replaces the contents of `out` by the voxels that represent the cloud in `view`: those of [`Levels::cut`],
     /// without those that close gaps.
     pub fn select(&self, view: &SelectView, out: &mut Vec<VoxelRecord>) -> SelectStats {
         let cut = self.cut(view, CutHints::default());

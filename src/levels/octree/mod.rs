@@ -5,7 +5,7 @@
 //! begins with every point that *parts* from the one before it on that level or above; one byte per point, its parting
 //! level, thus determines where the nodes of all levels begin and end. So nothing is stored for a node: it is a level
 //! and a range of points, its children are found by looking over the bytes of that range (eight in one word, see
-//! `octree/cells.rs`), and what is drawn for it is worked out from its points (`voxels.rs`). A tree for another stop
+//! `octree/cells.rs`), and its record is computed from its points (`voxels.rs`). A tree for another stop
 //! criterion is the same points and another number.
 //!
 //! When it wins: building is little more than sorting, a tree takes 17 bytes per point however deep it is, and a view

@@ -16,7 +16,7 @@ pub struct NodeSurfel {
     pub point: PointRecord,
     /// Mean normal and scalar, and the radius that covers the points' disks.
     pub shape: ShapeRecord,
-    /// Cosine of the largest angle between the mean normal and that of a point; −1 where there is no mean.
+    /// Cosine of the largest angle between the mean normal and the normal of a point; −1 where there is no mean.
     pub cone_cosine: f32,
     /// Number of points.
     pub point_count: u32,
@@ -123,7 +123,7 @@ mod tests {
     use super::*;
     use crate::cloud::{Ellipse, decode_ellipse, encode_ellipse};
 
-    /// Two ellipses on the x axis with half axes of these lengths, this far from the middle.
+    /// Two ellipses on the x axis with half axes of these lengths, this far from the centre.
     fn merged(apart: f32, along: f32, across: f32) -> [f32; 2] {
         let normal = oct_encode(Vec3::Z);
         let ratio = across / along;

@@ -10,7 +10,7 @@ use std::collections::HashMap;
 /// Octants of the root, and theirs: cells of this level come in order.
 const LEVEL: u32 = 2;
 
-/// The cells of [`LEVEL`] in the order of what is drawn, each once.
+/// The cells of [`LEVEL`] in drawing order, each once.
 fn cells_in_order(tree: &Octree, view: &SelectView) -> Vec<[u32; 3]> {
     let mut voxels = Vec::new();
     tree.select(view, &mut voxels);
@@ -34,11 +34,11 @@ fn distance(tree: &Octree, eye: Vec3, level: u32, cell: [u32; 3]) -> f64 {
     nearest.distance(eye.as_dvec3())
 }
 
-/// Whatever a ray from the eye meets first comes first, so nothing comes after what it may hide.
+/// The cell that a ray from the eye meets first comes first, so no cell comes after one that it may hide.
 #[test]
-fn what_may_hide_something_comes_before_it() {
+fn potential_occluders_come_first() {
     let mut random = Random(12);
-    // Few enough for one thread, and many enough to be shared out.
+    // Few enough for one thread, and enough to be distributed.
     for count in [4_000, 40_000] {
         let positions: Vec<Vec3> = (0..count).map(|_| random.cube()).collect();
         let tree = Octree::build(&positions, &vec![[0; 4]; count], StopCriterion::Depth(5));
@@ -53,7 +53,7 @@ fn what_may_hide_something_comes_before_it() {
             for _ in 0..200 {
                 let way = random.cube().as_dvec3() - eye.as_dvec3();
                 let mut last = None;
-                // From the eye to twice as far as the target.
+                // From the eye to twice the distance of the target.
                 for step in 0..400 {
                     let share = (eye.as_dvec3() + way * (f64::from(step) / 200.0) - min) / edge;
                     if share.min_element() < 0.0 || share.max_element() >= 1.0 {
@@ -71,7 +71,7 @@ fn what_may_hide_something_comes_before_it() {
                     last = Some(place);
                 }
             }
-            // The nearest octant is the very first, if none is out of sight.
+            // The nearest octant is the very first, if none is out of view.
             let octant = |cell: &[u32; 3]| cell.map(|along| along >> 1);
             let octants: Vec<_> = cells.iter().map(octant).collect();
             let all: std::collections::HashSet<_> = octants.iter().collect();

@@ -1,8 +1,8 @@
 //! Bytes that say at which levels points part from those before them, eight at a time.
 //!
-//! How it works: a cell of a level begins with each point whose parting level is that or less. Parting levels are below
-//! 32, so eight of them, in one word, are compared by one addition: what is added lifts just those above the level into
-//! the highest bit of their byte, and no carry leaves a byte.
+//! How it works: a cell of a level begins with each point whose parting level is that level or less. Parting levels are
+//! below 32, so eight of them, in one word, are compared by one addition: the addend lifts just those above the level
+//! into the highest bit of their byte, and no carry leaves a byte.
 
 use fearless_simd::{Level, dispatch};
 
@@ -33,7 +33,7 @@ pub(super) fn count_in_lanes(partings: &[u8], level: u8) -> usize {
 }
 
 /// Writes the first points of the cells of `level` among the points from `first` on, whose partings are given, to the
-/// beginning of `out`, and says how many there are. Precondition: room for a word more than there are partings.
+/// beginning of `out`, and returns their number. Precondition: space for one word more than there are partings.
 #[inline(always)]
 pub(super) fn write_beginnings(partings: &[u8], level: u32, first: u32, out: &mut [u32]) -> usize {
     let mut count = 0;
@@ -72,7 +72,7 @@ fn beginning_set(partings: [u8; WORD], level: u32) -> u8 {
     ((beginnings(partings, level) >> 7).wrapping_mul(TO_HIGHEST_BYTE) >> 56) as u8
 }
 
-/// The places of the bits of every byte, ascending; what follows them is of no importance.
+/// The positions of the bits of every byte, ascending; the entries after them do not matter.
 static PLACES_IN_WORD: [[u8; WORD]; 256] = {
     let mut places = [[0; WORD]; 256];
     let mut set = 0;

@@ -52,7 +52,7 @@ mod tests {
     use crate::math::Cube;
 
     #[test]
-    fn it_is_that_of_all_cells_looked_at_one_by_one() {
+    fn position_error_matches_visiting_cells_one_by_one() {
         let torus = test_shapes::torus(3_000, 0.4, &mut Random(5)).positions;
         let cube = Cube::around(&torus).unwrap();
         let order = crate::math::order_of_codes(&cube.codes(&torus));

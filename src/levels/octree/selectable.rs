@@ -1,8 +1,8 @@
-//! Concatenated surfels of the kept levels, for renderers that keep them on the GPU.
+//! Concatenated surfels of the cached levels, for renderers that keep them on the GPU.
 //!
-//! How it works: once all levels of a cut are kept (`cached_levels.rs`), their surfels and, where leaves are drawn, the
-//! points are one array, and a node is an index into it. A level that is kept later makes a new array with it, so what
-//! is uploaded for all levels is at most as many arrays as there are levels that were drawn.
+//! How it works: once all levels of a cut are cached (`cached_levels.rs`), their surfels and, where leaves are drawn,
+//! the points are one array, and a node is an index into it. A level that is cached later makes a new array, so at most
+//! one array per drawn level is uploaded.
 //!
 //! When it wins: where a camera moves about a frame.
 
@@ -40,11 +40,11 @@ impl Parts {
     }
 }
 
-/// The array of all parts that were asked for.
+/// The array of all requested parts.
 #[derive(Debug, Default)]
 pub(super) struct Selectable(Mutex<Option<SideBySide>>);
 
-/// Surfels of several levels, and where those of each begin. Leaves are the first.
+/// Surfels of several levels, and where each begins. Leaves are the first.
 #[derive(Debug, Clone)]
 pub(super) struct SideBySide {
     parts: Parts,
@@ -53,7 +53,7 @@ pub(super) struct SideBySide {
 }
 
 impl Selectable {
-    /// An array with these parts at least, the leaves with these records; `None` where a level of them is not kept.
+    /// An array with these parts at least, the leaves with these records; `None` where a level of them is not cached.
     pub(super) fn with_parts(
         &self,
         parts: Parts,
@@ -101,7 +101,7 @@ impl SideBySide {
         })
     }
 
-    /// Adds the places of consecutive nodes of a level. Precondition: it is among the parts.
+    /// Adds the indices of consecutive nodes of a level. Precondition: it is among the parts.
     pub(super) fn extend_places(
         &self,
         range: &NodeRange,

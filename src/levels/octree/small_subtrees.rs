@@ -1,11 +1,11 @@
-//! Cells of small subtrees, tested side by side instead of one under the other.
+//! Cells of small subtrees, tested side by side instead of by descending.
 //!
 //! How it works: where the border of the frustum or of two levels of detail cuts through a cell of few points,
 //! descending from cell to cell costs more than testing all cells of the first level on which any may stop. Nothing
-//! above that level needs a test: the bounding sphere of a cell lies in those of all cells that it is in, so it alone
-//! determines whether they are visible. The cells of 64 points are read off their parting levels together and tested
-//! eight at a time; a bit of each says whether it is in view, another whether it stops. Runs of cells that are alike
-//! are emitted as one range, or sifted one level below.
+//! above that level needs a test: the bounding sphere of a cell lies in the spheres of all cells that contain it, so it
+//! alone determines whether they are visible. The cells of 64 points are read off their parting levels together and
+//! tested eight at a time; a bit of each says whether it is in view, another whether it stops. Runs of cells that are
+//! alike are emitted as one range, or sifted one level below.
 //!
 //! When it wins: a cell takes 2 to 3 ns so, one that is visited by itself 50 to 60, most of them for unpredictable
 //! branches. In large subtrees most cells would be tested that descending passes over, or emits with thousands of
@@ -36,11 +36,11 @@ const BLOCK: usize = 64;
 /// Cells tested by one instruction.
 const LANES: usize = 8;
 
-/// At most [`BLOCK`] consecutive cells of one level, and what was found out about each, the first one in the lowest
+/// At most [`BLOCK`] consecutive cells of one level, and the test results of each, the first one in the lowest
 /// bit.
 struct CellBlock {
     level: u32,
-    /// The first points of the cells, then the point after the last cell; what follows is of no importance.
+    /// The first points of the cells, then the point after the last cell; later entries do not matter.
     firsts: [u32; BLOCK + LANES],
     in_view: u64,
     may_stop: u64,
@@ -64,8 +64,8 @@ impl CellBlock {
 }
 
 impl Traversal<'_> {
-    /// Emits the nodes that stand for some points: of the cells of `level`, those that are in view and stop, and for
-    /// the others what is below them. No cell above `level` stops. Recursion is bounded by the 21 levels.
+    /// Emits the nodes that represent some points: of the cells of `level`, those that are in view and stop, and below
+    /// the others their descendants. No cell above `level` stops. Recursion is bounded by the 21 levels.
     pub(super) fn sift(&self, level: u32, points: Range<usize>, subtree: &Subtree, cut: &mut Cut) {
         let sorted = &self.tree.points;
         let mut next = points.start;
@@ -150,7 +150,7 @@ impl Traversal<'_> {
         self.tree.cube.cell_center(level, cell)
     }
 
-    /// Fills a block with the cells of its level that begin among some points, at most [`BLOCK`]; how many they are.
+    /// Fills a block with the cells of its level that begin among some points, at most [`BLOCK`]; returns their number.
     #[inline(always)]
     fn test_block<S: Simd>(&self, simd: S, points: Range<usize>, planes: PlaneMask, block: &mut CellBlock) -> usize {
         let level = block.level;
@@ -207,7 +207,7 @@ impl Traversal<'_> {
         ]
     }
 
-    /// Returns a mask of those of eight spheres that are not outside any of the frustum planes.
+    /// Returns a mask of the spheres, of eight, that are not outside any of the frustum planes.
     #[inline(always)]
     fn in_view<S: Simd>(&self, simd: S, [x, y, z]: [f32x8<S>; 3], radius: f32, planes: PlaneMask) -> mask32x8<S> {
         let mut outside = mask32x8::splat(simd, 0);
@@ -238,7 +238,7 @@ fn centers_along<S: Simd>(simd: S, cells: [i32; LANES], edge: f32, min: f32) -> 
     (simd.cvt_f32_i32x8(simd.load_array_i32x8(cells)) + 0.5) * edge + min
 }
 
-/// The places of the bits that are set, ascending.
+/// The positions of the set bits, ascending.
 fn set_bits(mut bits: u64) -> impl Iterator<Item = u32> {
     std::iter::from_fn(move || {
         let place = bits.trailing_zeros();

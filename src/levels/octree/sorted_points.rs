@@ -25,7 +25,7 @@ pub(super) struct SortedPoints {
     pub(super) occupied: OccupiedCells,
     /// Colours summed over the points before each, and over all of them.
     pub(super) colors_before: Vec<ColorSum>,
-    /// Voxels of coarse levels that are drawn again and again.
+    /// Voxels of coarse levels that are drawn repeatedly.
     pub(super) voxels: CachedLevels<VoxelRecord>,
     /// True if the points were given in this order.
     pub(super) are_as_given: bool,
@@ -45,7 +45,7 @@ impl SortedPoints {
             let cells = cube.cells(positions);
             partings_in_order(&cells).map(|partings| (cells, partings))
         };
-        // Checking some of them first is usually enough.
+        // Checking some of them first is mostly enough.
         let some = &positions[..positions.len().min(1000)];
         if in_order(some).is_some()
             && let Some((cells, partings)) = in_order(positions)
@@ -84,7 +84,7 @@ impl SortedPoints {
         self.cells.len()
     }
 
-    /// Most bytes held in memory, with all voxels that may be kept.
+    /// Maximum number of bytes held in memory, with all voxels that may be cached.
     pub(super) fn byte_size(&self) -> usize {
         size_of::<Self>()
             + CachedLevels::<VoxelRecord>::max_bytes(self.coarse_levels(), self.len())
@@ -168,7 +168,7 @@ fn write_partings(cells: &[PackedCell], partings: &mut [u8]) -> bool {
     })
 }
 
-/// Points that are looked at before it is asked whether they ascend.
+/// Number of points tested before the check whether they ascend.
 const BLOCK: usize = 256;
 
 #[inline(always)]

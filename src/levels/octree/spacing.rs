@@ -1,23 +1,23 @@
-//! Leaves no smaller than the spacing of the points around them: what makes cubes a closed solid.
+//! Leaves no smaller than the spacing of the points around them: these make cubes a closed solid.
 //!
 //! How it works: leaves are on the deepest level whose cells are closed, together with the gaps between them
 //! (`gaps.rs`). While a level is as dense as the surface, it has four times the cells of the level above; where points
 //! are too few for that, cells are left empty, and once it has less than twice as many there are more empty ones in a
-//! row than can be closed. Curves have twice the cells at best, so for them, as for whatever is dense, the number of
-//! points a cell tells. Leaves are one to two and a half spacings long.
+//! row than can be closed. Curves have twice the cells at best, so for them, as for all dense clouds, the number of
+//! points per cell decides. Leaves are one to two and a half spacings long.
 //!
-//! Spacings differ within a cloud, by a hundred times in the sweep of a scanner. So the question is asked of the root,
-//! of its octants, and so on, as long as there are points enough to answer. A node keeps the level that it inherits
-//! unless that is clearly wrong for it: sizes that change from cell to cell with the noise of sampling are worse to
-//! look at than one that is slightly off (000, Fig. 5). Few points far from all others are never asked, so none becomes
+//! Spacings differ within a cloud, by a hundred times in the sweep of a scanner. So the test is made for the root, for
+//! its octants, and so on, as long as there are enough points. A node keeps the level that it inherits unless that is
+//! clearly wrong for it: sizes that change from cell to cell with the noise of sampling are worse to look at than one
+//! that is slightly off (the 4D media paper, Fig. 5). Few points far from all others are never tested, so none becomes
 //! a cube that hides the cloud.
 //!
 //! Points at the same place count once, and so do those that are much nearer to each other than all are to the rest, as
 //! where two scans of one surface are laid on each other.
 //!
 //! Measured for bodies of 8,000 to 100,000 points (`tests/pictures/closed_voxels.rs`): leaves and gaps cover 99.4 % and
-//! more of what surfels cover. Without the gaps it took cells of 2.5 points on average and more to cover as much, which
-//! are twice as long and pass the outline by two to three times as much.
+//! more of the area of surfels. Without the gaps it took cells of 2.5 points on average and more to cover as much,
+//! which are twice as long and extend beyond the outline by two to three times as much.
 //!
 //! When it wins: everything is read off running counts of the parting levels, one pass over a byte a point.
 
@@ -27,33 +27,33 @@ use crate::levels::cut::NodeRange;
 use crate::math::morton::LEVELS;
 use rayon::prelude::*;
 
-/// Cells that hold so many points on average have hardly a hole.
+/// Cells that hold this many points on average have hardly a hole.
 const MANY_POINTS: f64 = 2.5;
 
-/// Cells of a surface that hold fewer are closed by the gaps between them (`gaps.rs`) while they are so many times as
-/// many as those of the level above; all of them would be four times as many.
-// Without gaps, cells had to be twice as long, and their outline extended beyond that of surfels by 5 to 11 % of the
+/// Cells of a surface that hold fewer are closed by the gaps between them (`gaps.rs`) while they are this many times as
+/// many as the cells of the level above; all of them would be four times as many.
+// Without gaps, cells had to be twice as long, and their outline extended beyond the surfels by 5 to 11 % of the
 // object instead of 2.5 to 5 %. Below one spacing nothing closes them.
 const GROWTH: f64 = 2.0;
 
-/// Occupancy threshold in points per cell: if fewer points share a cell, the number of cells is no measure of their
+/// Occupancy threshold in points per cell: if fewer points share a cell, the number of cells is not a measure of their
 /// size.
 const FEW_POINTS: f64 = 1.12;
 
-/// A level that is inherited is kept if it has this share of what is asked of a closed one,
+/// An inherited level stays if it has this fraction of the ratio required of a closed one,
 const SPARSE: f64 = 0.85;
 
-/// and the level below it has less than so many times of that.
+/// and the level below it has less than this many times that ratio.
 const DENSE: f64 = 1.25;
 
-/// Fewer points do not say what their spacing is.
+/// Fewer points do not determine their spacing.
 const ASKED_POINTS: usize = 64;
 
-/// A node has cells of so many levels above the leaves, or is not asked: too few cells to take a mean over.
+/// A node without cells of this many levels above the leaves is not tested: too few cells to take a mean over.
 const ASKED_LEVELS: u32 = 2;
 
-/// Leaves are at most so many levels above those of the whole cloud: 4 times their edge. Few points in a large place,
-/// as in the trees that a scanner sees from afar, would ask for more.
+/// Leaves are at most this many levels above those of the whole cloud: 4 times their edge. Few points in a large
+/// volume, as in the trees that a scanner sees from afar, would require more.
 const MAX_LEVELS_ABOVE: u32 = 2;
 
 /// Points counted together.
@@ -164,7 +164,7 @@ fn is_cached(level: u32, cells: &OccupiedCells) -> bool {
 }
 
 impl SortedPoints {
-    /// The leaves that the spacing of the points asks for. Precondition: there are points.
+    /// The leaves that the spacing of the points requires. Precondition: there are points.
     pub(super) fn leaves_by_spacing(&self) -> LeavesBySpacing {
         let census = Census::new(&self.partings);
         let root = NodeRange {

@@ -13,7 +13,7 @@ fn tree_of(positions: &[Vec3]) -> Octree {
     Octree::build(positions, &colors, StopCriterion::Spacing)
 }
 
-/// A lattice of as many points along each edge, from a corner, in a plane that is parallel to no face of the octree's
+/// A lattice of this many points along each edge, from a corner, in a plane that is parallel to no face of the octree's
 /// cube.
 fn lattice(count: u32, spacing: f32, corner: Vec3) -> Vec<Vec3> {
     let u = Vec3::new(0.8, 0.36, 0.48);
@@ -68,7 +68,7 @@ fn points_in_a_row_are_a_row_of_voxels() {
     assert!(!cells.windows(2).any(is_gap));
 }
 
-/// Points many times at one place, or nearly so, are no smaller spacing.
+/// Points many times at one place, or nearly so, are not a smaller spacing.
 #[test]
 fn duplicate_points_change_nothing() {
     let plain = lattice(100, 1.0, Vec3::ZERO);

@@ -16,8 +16,8 @@ pub enum StopCriterion {
     // The default, as δ gives nearly every point a leaf smaller than its share of the surface: a spray of dots.
     #[default]
     Spacing,
-    /// The paper's δ (000 §VI-A): level h is subdivided while `oct(h)/n < 1 − δ`, where `oct(h)` counts its occupied
-    /// cells.
+    /// The δ of the 4D media paper (§VI-A): level h is subdivided while `oct(h)/n < 1 − δ`, where `oct(h)` counts its
+    /// occupied cells.
     ///
     /// δ is clamped to 0..=1 and NaN counts as 0; the interface offers 0 to 0.6. Subdivision also ends where no finer
     /// level of the 21 separates any two points, so that duplicates (which no cell size can part) do not drive δ = 0 to
@@ -25,8 +25,8 @@ pub enum StopCriterion {
     Loss(f32),
     /// All leaves on this level, at most 21.
     Depth(u32),
-    /// A cell is divided while it holds more than so many points (0 counts as 1), so leaves are on several levels: what
-    /// the paper's Fig. 5 shows the incoherent voxel sizes of.
+    /// A cell is divided while it holds more than this many points (0 counts as 1), so leaves are on several levels:
+    /// the paper's Fig. 5 shows their incoherent voxel sizes.
     PointsPerOctant(u32),
 }
 
@@ -52,7 +52,7 @@ pub(super) enum Leaves {
     OnLevel(u32),
     /// On several, which are known: runs of leaves in Morton order, the last ending with the last point.
     InRuns(Arc<[LeafRun]>),
-    /// Wherever a cell holds at most so many points.
+    /// Wherever a cell holds at most this many points.
     OfPoints(usize),
 }
 

@@ -1,4 +1,4 @@
-//! Surfels of nodes against sums over lists of points, and what faces away against every point of it.
+//! Surfels of nodes against sums over lists of points, and back-face culling against every point.
 
 use super::tests::{random_colors, view_from};
 use super::*;

@@ -1,15 +1,14 @@
-//! Surfels for the nodes of every level (future work of the 4D media paper): what voxels are to points, these are to
-//! surfels.
+//! Surfels for the nodes of every level (future work of the 4D media paper): the counterpart of voxels for surfels.
 //!
 //! A node's surfel has the mean position, colour, normal and scalar of its points. Its disk covers theirs, as far as
 //! they lie in one plane: it reaches to the farthest of them, so a surface that is closed at the finest level is closed
-//! at all. A *normal cone* around the mean normal holds those of all points; where it faces away from the eye, so do
-//! they.
+//! at all. A *normal cone* around the mean normal holds the normals of all points; where it faces away from the eye, so
+//! do they.
 //!
-//! How it works: the points of a node are a contiguous range. The surfels of a cut are worked out from the points under
-//! it, in one pass over their records, and forgotten; those of levels that are drawn again and again are kept
+//! How it works: the points of a node are a contiguous range. The surfels of a cut are computed from the points under
+//! it, in one pass over their records, and dropped; those of levels that are drawn repeatedly are cached
 //! (`cached_levels.rs`). Leaves, where all are on one level, are drawn as the very points they hold, so that nothing is
-//! lost where nothing is small.
+//! lost at close range.
 //!
 //! When it wins: where splats are small on the screen and many.
 
@@ -45,13 +44,13 @@ pub struct LodSurfels {
 /// Cells above this level are not tested for facing away: they are as large as the object.
 const FIRST_CONE_LEVEL: u32 = 3;
 
-/// Below so many points a node on average, it costs more to test whether they face away than to draw them.
+/// Below this many points per node on average, it costs more to test whether they face away than to draw them.
 // With back-face culling, a cut of 1,000,000 points takes 5.2 ms instead of 2.0 ms (2 threads), for half of the
 // surfels, whose records take 1.3 instead of 3.3 ms to copy.
 const POINTS_PER_CONE: usize = 16;
 
 impl LodSurfels {
-    /// The surfels of `octree`, from the records of its points. Nothing is worked out yet.
+    /// The surfels of `octree`, from the records of its points. Nothing is computed yet.
     ///
     /// # Panics
     /// Preconditions: a record of each kind for each point, in the order of the points the tree was built from, which
@@ -104,7 +103,7 @@ impl LodSurfels {
         &level.records
     }
 
-    /// Most bytes that the levels can come to, worked out or not.
+    /// Maximum size of the levels in bytes, computed or not.
     pub fn max_bytes(&self) -> usize {
         let sorted = &self.octree.points;
         let above_leaves = &sorted.occupied[..self.octree.depth() as usize];
@@ -113,15 +112,15 @@ impl LodSurfels {
         CachedLevels::<NodeSurfel>::max_bytes(surfels, count) + CachedLevels::<ShapeRecord>::max_bytes(normals, count)
     }
 
-    /// Most bytes of the levels side by side, with the points, for whoever selects among them.
+    /// Maximum number of bytes of the concatenated levels, with the points, for selection.
     pub fn max_selectable_bytes(&self) -> usize {
         let above_leaves = &self.octree.points.occupied[..self.octree.depth() as usize];
         let nodes = self.points.len() + above_leaves.iter().sum::<usize>();
         nodes * (size_of::<PointRecord>() + size_of::<ShapeRecord>())
     }
 
-    /// Replaces the contents of `points` and `shapes` by the surfels of a cut of the octree; those of leaves are the
-    /// points themselves.
+    /// Replaces the contents of `points` and `shapes` by the surfels of a cut of the octree; the surfels of leaves are
+    /// the points themselves.
     pub fn write_surfels(&self, cut: &Cut, points: &mut Vec<PointRecord>, shapes: &mut Vec<ShapeRecord>) {
         points.clear();
         shapes.clear();
@@ -150,7 +149,7 @@ impl LodSurfels {
         }
     }
 
-    /// Selects the surfels as indices into persistent records; `None` if a level of the cut is not kept.
+    /// Selects the surfels as indices into persistent records; `None` if a level of the cut is not cached.
     pub(super) fn select_surfels(&self, cut: &Cut, places: &mut Vec<u32>) -> Option<NodeRecords> {
         let mut parts = Parts::default();
         for range in &cut.ranges {
@@ -192,7 +191,7 @@ impl LodSurfels {
         Some(&cached.records[cached.rank(first, sorted)..])
     }
 
-    /// Works out what [`LodSurfels::all_face_away`] asks for, before many threads do.
+    /// Computes the data for [`LodSurfels::all_face_away`] before several threads ask for it.
     pub(super) fn work_out_cones(&self) {
         if let Some(level) = self.cone_level {
             self.level(level);

@@ -41,7 +41,7 @@ pub(super) fn random_colors(count: usize, random: &mut Random) -> Vec<[u8; 4]> {
     (0..count).map(|_| (random.next_bits() as u32).to_le_bytes()).collect()
 }
 
-/// Everything a tree says, against brute force.
+/// All results of a tree, against brute force.
 fn check_tree(positions: &[Vec3], delta: f32) {
     let colors = random_colors(positions.len(), &mut Random(9));
     let tree = Octree::build(positions, &colors, StopCriterion::Loss(delta));
@@ -72,7 +72,7 @@ fn check_tree(positions: &[Vec3], delta: f32) {
     assert_eq!(tree.node_count(), tree.internal_count() + tree.leaf_count());
     assert_eq!(tree.masks().len(), tree.internal_count());
 
-    // The stop criterion: the depth is the first level that need not be divided.
+    // The stop criterion: the depth is the first level that need not be subdivided.
     let point_count = positions.len() as f64;
     let distinct = cells_by_brute_force(positions, &colors, morton::LEVELS).len();
     let ends_at = |level: u32| {
@@ -100,7 +100,7 @@ fn surfaces_at_every_delta() {
 
 #[test]
 fn lattices_on_cell_borders() {
-    // 16 cells along each axis and points on all their borders, also for edges no binary fraction divides.
+    // 16 cells along each axis and points on all their borders, also for edges that no binary fraction divides.
     for step in [1.0, 0.1, 1.0 / 3.0, 49.0] {
         let lattice: Vec<Vec3> = (0..17 * 17 * 17)
             .map(|i| Vec3::new((i % 17) as f32, (i / 17 % 17) as f32, (i / 289) as f32) * step)
@@ -127,7 +127,7 @@ fn duplicates_collinear_coplanar_and_outliers() {
 }
 
 #[test]
-fn nothing_has_no_nodes() {
+fn an_empty_cloud_has_no_nodes() {
     let tree = Octree::build(&[], &[], StopCriterion::default());
     assert_eq!((tree.depth(), tree.node_count(), tree.loss()), (0, 0, 0.0));
     assert!(tree.masks().is_empty() && tree.level_counts().is_empty());
@@ -139,7 +139,7 @@ fn nothing_has_no_nodes() {
 }
 
 #[test]
-fn points_that_coincide_are_one_leaf() {
+fn coincident_points_are_one_leaf() {
     for count in [1usize, 2, 1000] {
         let point = Vec3::new(4.0, -2.0, 9.0);
         let colors = vec![[10, 20, 30, 255]; count];
@@ -153,7 +153,7 @@ fn points_that_coincide_are_one_leaf() {
 
 #[test]
 fn table_iii_counts_internal_nodes() {
-    // What makes the paper's column what we say it is: nodes(h + 1) = nodes(h) + leaves(h).
+    // This is the interpretation of the paper's column: nodes(h + 1) = nodes(h) + leaves(h).
     let torus = test_shapes::torus(10_000, 0.3, &mut Random(3));
     let colors = vec![[0; 4]; 10_000];
     let build = |delta| Octree::build(&torus.positions, &colors, StopCriterion::Loss(delta));
@@ -233,7 +233,7 @@ fn check_uneven_tree(positions: &[Vec3], max_points: u32) {
         .flat_map(|&(level, cell)| (0..=level).map(move |up| (level - up, cell.map(|index| index >> up))))
         .collect();
     assert_eq!(tree.node_count(), nodes.len());
-    // The mean colour of every leaf is that of its own points, whoever stands beside them in the order.
+    // The mean colour of every leaf is the mean of its own points, whatever points are next to them in the order.
     let sums = |level: u32| cells_by_brute_force(positions, &colors, level);
     let by_level: Vec<_> = (0..=tree.depth()).map(sums).collect();
     for voxel in &voxels {
@@ -246,13 +246,13 @@ fn check_uneven_tree(positions: &[Vec3], max_points: u32) {
 }
 
 #[test]
-fn leaves_of_at_most_so_many_points() {
+fn leaves_hold_at_most_the_given_number_of_points() {
     let mut random = Random(21);
     let torus = test_shapes::torus(5000, 0.4, &mut random);
     for max_points in [0, 1, 2, 8, 100, 4999, 5000] {
         check_uneven_tree(&torus.positions, max_points);
     }
-    // Dense and sparse parts, and duplicates that nothing can part.
+    // Dense and sparse parts, and duplicates that nothing can separate.
     let mut cloud: Vec<Vec3> = (0..300).map(|_| random.cube()).collect();
     cloud.extend((0..300).map(|_| random.cube() * 1e-3));
     cloud.extend([Vec3::splat(0.25); 50]);
@@ -261,9 +261,9 @@ fn leaves_of_at_most_so_many_points() {
     check_uneven_tree(&[Vec3::ONE], 8);
 }
 
-/// Building for another stop criterion from what is there must give the tree that is built from nothing.
+/// Building for another stop criterion from an existing tree must give the same tree as a build from nothing.
 #[test]
-fn another_stop_criterion_is_the_same_as_building_anew() {
+fn changing_the_stop_criterion_matches_rebuilding() {
     use StopCriterion::{Depth, Loss, PointsPerOctant, Spacing};
     let torus = test_shapes::torus(40_000, 0.4, &mut Random(17));
     let colors = random_colors(40_000, &mut Random(18));
@@ -363,7 +363,7 @@ pub(super) fn cell_of(tree: &Octree, voxel: &VoxelRecord) -> (u32, [u32; 3]) {
 }
 
 #[test]
-fn the_visible_set_is_that_of_brute_force() {
+fn the_visible_set_matches_brute_force() {
     let mut random = Random(4);
     let mut torus = test_shapes::torus(2_000, 0.4, &mut random);
     // A part of it is much denser.
@@ -452,7 +452,7 @@ fn a_higher_threshold_never_draws_more() {
 }
 
 #[test]
-fn a_level_is_drawn_whole() {
+fn a_level_is_drawn_completely() {
     let torus = test_shapes::torus(5_000, 0.4, &mut Random(32));
     let colors = vec![[7; 4]; 5_000];
     let mut out = Vec::new();
@@ -477,11 +477,11 @@ fn a_level_is_drawn_whole() {
 }
 
 #[test]
-fn an_eye_inside_descends_around_itself() {
+fn an_eye_inside_the_cloud_refines_around_itself() {
     let torus = test_shapes::torus(5_000, 0.4, &mut Random(7));
     let tree = Octree::build(&torus.positions, &vec![[0; 4]; 5_000], StopCriterion::Loss(0.02));
     let eye = torus.positions[0];
-    // Seen whole, so that the frustum hides nothing; distances are from the eye.
+    // The frustum contains everything, so that it hides nothing; distances are from the eye.
     let view = SelectView {
         eye,
         ..view_from(Vec3::splat(4.0), Vec3::ZERO, 100.0)

@@ -1,26 +1,26 @@
-//! Traversal with frustum culling: which nodes stand for the cloud in one view (the 4D media paper §VI-B).
+//! Traversal with frustum culling: the nodes that represent the cloud in one view (the 4D media paper §VI-B).
 //!
 //! How it works: from the root down, a node is dropped when its bounding sphere (the diagonal of the cell is its
 //! diameter) is outside the frustum, and emitted when it is a leaf or its edge covers less than the LOD threshold on
-//! screen. Five things keep most nodes from being looked at, and time short:
+//! screen. Five measures spare most nodes a test, and save time:
 //!
 //! - *Inside mask.* A plane that a sphere is entirely inside of is not tested again below that node.
 //! - *Uniform cuts.* Once no plane is left, the nearest and the farthest distance of a cell bound where all of its
-//!   descendants would stop. When both name the same level, the answer for the whole subtree is all of its nodes on
+//!   descendants would stop. When both name the same level, the result for the whole subtree is all of its nodes on
 //!   that level: the points of the cell, emitted at once. Only cells that straddle the border of the frustum or of two
 //!   levels of detail are descended into.
 //! - *Small subtrees* that straddle one of these are not descended into: their cells are tested eight at a time
 //!   (`small_subtrees.rs`).
-//! - *Normal cones*, for back-face culling. A node whose points all face away is dropped, if that is asked for
+//! - *Normal cones*, for back-face culling. A node whose points all face away is dropped, if that is requested
 //!   ([`LodSurfels`]).
-//! - *Subtrees in parallel.* The octants of the root, and theirs, are gone through by as many threads as there are.
+//! - *Subtrees in parallel.* The octants of the root, and theirs, are traversed by all threads.
 //!
-//! The eight octants of the root, and those below, come nearest first, so that what is drawn early hides what follows.
+//! The eight octants of the root, and those below, come nearest first, so that nodes drawn early occlude later ones.
 //!
-//! Levels of detail do not flicker: given the cut of the view before, a cell changes sides only when it is a tenth
+//! Levels of detail do not flicker: given the cut of the previous view, a cell changes sides only when it is a tenth
 //! beyond the threshold; and a subtree that was uniform, and may stay so, is emitted at once.
 //!
-//! When it wins: always; at worst (every cell straddles something) it visits what a plain traversal does.
+//! When it wins: always; at worst (every cell straddles something) it visits the same nodes as a plain traversal.
 //!
 //! Distances are to the nearest point of a cell, so a projected edge is never underestimated, and an eye inside a cell
 //! always descends. The output depends on tree, view and hints alone.
@@ -100,11 +100,11 @@ impl Octree {
 /// Every squared distance is beyond it.
 const ALWAYS: f32 = -1.0;
 
-/// Share of the threshold by which a cell must be larger to be divided, or smaller not to be, than the view before
+/// Fraction of the threshold by which a cell must be larger to be divided, or smaller not to be, than the previous view
 /// decided. A tenth is more than a hand that holds the mouse still moves the camera, and too little to see.
 const HYSTERESIS: f64 = 0.1;
 
-/// A cell with this edge is not divided at a share of the threshold when the square of its distance is above this;
+/// A cell with this edge is not divided at a fraction of the threshold when the square of its distance is above this;
 /// infinite when it always is.
 fn stop_distance_squared(edge: f32, view: &SelectView, share: f64) -> f32 {
     let lod_px = f64::from(view.metric.edge_px(view.lod_px)) * share;
@@ -128,7 +128,7 @@ const ORDERED_LEVELS: u32 = 2;
 /// Below this, the octants of a node are not shared out among threads.
 const PARALLEL_POINTS: usize = 1 << 15;
 
-/// The cells of a subtree of up to so many points are tested side by side. Twice or half as many take about as long.
+/// The cells of a subtree of up to this many points are tested side by side. Twice or half as many take about as long.
 const SMALL_SUBTREE: usize = 160;
 
 /// Limits that only depend on the level of a cell.
@@ -154,7 +154,7 @@ pub(super) struct Traversal<'a> {
     before: Option<CutByPoints<'a>>,
 }
 
-/// A node to be looked at.
+/// A node to be tested.
 struct Visit {
     node: NodeRange,
     cell: [u32; 3],
@@ -286,7 +286,7 @@ impl Traversal<'_> {
         }
     }
 
-    /// Returns the one level below that of `node` on which all descendants stop; `None` if there may be several. Its
+    /// Returns the one level below `node` on which all descendants stop; `None` if there may be several. Its
     /// centre is `distance` from the eye along each axis.
     fn uniform_cut(&self, node: &NodeRange, distance: Vec3) -> Option<u32> {
         let half_edge = 0.5 * self.levels[node.level as usize].edge;
@@ -311,8 +311,7 @@ impl Traversal<'_> {
         all_stop.then_some(first_stop)
     }
 
-    /// The first level below that of `node` on which a descendant may stop, wherever in it that is; `depth` is that of
-    /// the leaves.
+    /// The first level below `node` on which a descendant may stop, wherever in it; `depth` is the level of the leaves.
     fn first_stop(&self, node: &NodeRange, distance: Vec3, depth: u32) -> u32 {
         let farthest_squared = self.farthest_squared(node, distance);
         (node.level + 1..depth)

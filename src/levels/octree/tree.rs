@@ -27,7 +27,7 @@ pub struct Octree {
 }
 
 impl PartialEq for Octree {
-    /// Trees of the same points are equal when they have the same nodes, whatever was asked for.
+    /// Trees of the same points are equal when they have the same nodes, whatever was requested.
     fn eq(&self, other: &Self) -> bool {
         self.cube == other.cube
             && self.points == other.points
@@ -64,7 +64,7 @@ impl Octree {
         self.points.cells.len()
     }
 
-    /// Share of the points that have no leaf of their own, `1 − leaves/n`; 0 without points. Where all leaves are on
+    /// Fraction of the points without a leaf of their own, `1 − leaves/n`; 0 without points. Where all leaves are on
     /// level h this is the paper's `1 − oct(h)/n`.
     ///
     /// It can exceed the δ asked for when points share a cell even at level 21: n points that all coincide are one
@@ -76,7 +76,7 @@ impl Octree {
         (1.0 - self.leaf_count as f64 / self.point_count() as f64) as f32
     }
 
-    /// The cube that the root stands for.
+    /// The cube of the root.
     pub fn cube(&self) -> Cube {
         self.cube
     }
@@ -86,7 +86,7 @@ impl Octree {
         &self.level_counts
     }
 
-    /// Most bytes held in memory, voxels that may be kept and what is shared with other trees included.
+    /// Maximum number of bytes held in memory, voxels that may be cached and data shared with other trees included.
     pub fn byte_size(&self) -> usize {
         size_of::<Self>()
             + self.points.byte_size()

@@ -1,9 +1,9 @@
-//! The normals of voxels (future work of the 4D media paper): what light falls on instead of the faces of cubes.
+//! The normals of voxels (future work of the 4D media paper): shading uses them instead of the faces of cubes.
 //!
 //! How it works: the mean of the normals of a node's points, which are a range; each is turned to the side of those
 //! before it, so that the normals of a file without a sensor, whose signs mean nothing, do not cancel each other. As
-//! the light is two-sided, the sign of the mean means nothing either. Levels that are drawn again and again are kept,
-//! as voxels are (`cached_levels.rs`).
+//! the light is two-sided, the sign of the mean means nothing either. Levels that are drawn repeatedly are cached, as
+//! voxels are (`cached_levels.rs`).
 
 use super::cached_levels::Cached;
 use super::gap::Gap;
@@ -15,8 +15,8 @@ use crate::levels::cut::Cut;
 use glam::Vec3;
 
 impl LodSurfels {
-    /// Replaces the contents of `out` by records whose normals are those of the voxels of a cut of the octree, in the
-    /// order of [`super::Octree::write_voxels`]. All else in them is 0.
+    /// Replaces the contents of `out` by records with the normals of the voxels of a cut of the octree, in the order of
+    /// [`super::Octree::write_voxels`]. All else in them is 0.
     pub fn write_voxel_normals(&self, cut: &Cut, out: &mut Vec<ShapeRecord>) {
         let sorted = &self.octree.points;
         let writer = NormalWriter { shapes: &self.shapes };
@@ -57,7 +57,7 @@ impl NodeWriter for NormalWriter<'_> {
     }
 }
 
-/// Octahedral, as those of the points. Precondition: there is one.
+/// Octahedral, as in the points. Precondition: there is one.
 #[inline(always)]
 fn mean_normal(shapes: &[ShapeRecord]) -> [i16; 2] {
     let [only] = shapes else {

@@ -1,11 +1,11 @@
-//! The voxel of a node, worked out from its points when it is asked for.
+//! The voxel of a node, computed from its points on demand.
 //!
 //! How it works: the points of a node are a range in Morton order. Its cell is the upper part of the first one's; its
 //! colour the difference of two running sums over all points, divided by their number.
 //!
 //! When it wins: of all nodes, one view shows a third (leaves only) or less, so a frame that is played and gone never
-//! pays for the others, and they need no memory. Of levels that are coarse enough for it, what is drawn again is kept
-//! (`cached_levels.rs`): reading the points of cells that have several each takes longer than copying.
+//! pays for the others, and they need no memory. Of levels that are coarse enough for it, repeatedly drawn records are
+//! cached (`cached_levels.rs`): reading the points of cells that have several each takes longer than copying.
 
 use super::color_sums::{ColorSum, MAX_SUMMED, field_of};
 use super::gap::Gap;
@@ -32,7 +32,7 @@ impl Octree {
         voxels
     }
 
-    /// Adds what stands for `node` at `level`. Recursion is bounded by the 21 levels.
+    /// Adds the records of `node` at `level`. Recursion is bounded by the 21 levels.
     fn cut_at(&self, level: u32, node: NodeRange, ranges: &mut Vec<NodeRange>) {
         if node.level == level || self.is_leaf(node.level, &node.points) {
             ranges.push(node);

@@ -1,9 +1,9 @@
-//! From ranges of nodes to what is drawn for each, whatever that is.
+//! From ranges of nodes to their records, of any kind.
 //!
-//! How it works: the nodes of a range begin where parting levels say so. Sixty-four nodes of any levels are handed to a
-//! [`NodeWriter`] at a time, so that taking codes apart and dividing are SIMD instructions. Long lists of ranges are
-//! shared out among threads by their points; each part knows from a count of its nodes where its records go. Of levels
-//! that are kept, records are copied.
+//! How it works: the nodes of a range begin where parting levels indicate it. Sixty-four nodes of any levels are handed
+//! to a [`NodeWriter`] at a time, so that taking codes apart and dividing are SIMD instructions. Long lists of ranges
+//! are shared out among threads by their points; each part knows from a count of its nodes where its records go.
+//! Records of cached levels are copied.
 
 use super::cached_levels::Cached;
 use super::partings::write_beginnings;
@@ -13,12 +13,12 @@ use bytemuck::Zeroable;
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
-/// Nodes that are worked out together.
+/// Nodes that are computed together.
 // 32 instead of 64 made no difference, 16 took 30 % longer.
 pub(super) const BATCH: usize = 64;
 
-/// Up to [`BATCH`] nodes, each property in an array of its own. Beyond their number stand nodes of some batch before,
-/// or of no points.
+/// Up to [`BATCH`] nodes, each property in an array of its own. Entries beyond their number are left from an earlier
+/// batch, or are of no points.
 pub(super) struct Nodes<'a> {
     /// Their first points.
     pub(super) firsts: &'a [u32; BATCH],
@@ -27,7 +27,7 @@ pub(super) struct Nodes<'a> {
     pub(super) levels: &'a [u32; BATCH],
 }
 
-/// Works out what stands for nodes.
+/// Computes the records of nodes.
 pub(super) trait NodeWriter: Sync {
     /// Record that represents one node.
     type Record: Copy + Send + Sync + Zeroable;
@@ -38,7 +38,7 @@ pub(super) trait NodeWriter: Sync {
 }
 
 impl SortedPoints {
-    /// Replaces the contents of `out` by what stands for the nodes of `ranges`, in their order.
+    /// Replaces the contents of `out` by the records of the nodes of `ranges`, in their order.
     pub(super) fn write_nodes<W: NodeWriter>(
         &self,
         ranges: &[NodeRange],
@@ -63,7 +63,7 @@ impl SortedPoints {
             .for_each(|(piece, out)| self.write_piece(piece, writer, cached, out));
     }
 
-    /// Writes to as many places as there are nodes.
+    /// Writes one record per node.
     fn write_piece<W: NodeWriter>(
         &self,
         piece: &[NodeRange],
@@ -106,7 +106,7 @@ impl SortedPoints {
 /// Points that are worth handing to another thread.
 const PIECE_POINTS: usize = 1 << 14;
 
-/// Points whose parting levels are looked at together.
+/// Points whose parting levels are tested together.
 const BLOCK: usize = 64;
 
 /// Buffer capacity: the possible remainder of a batch, a block of new entries, and the slack that [`write_beginnings`]
@@ -179,7 +179,7 @@ impl Batch {
         }
     }
 
-    /// Writes the first `count` nodes, at most a batch, and forgets them; the places left.
+    /// Writes the first `count` nodes, at most a batch, and drops them; returns the remaining space.
     #[inline(always)]
     fn write<'o, W: NodeWriter>(&mut self, count: usize, writer: &W, out: &'o mut [W::Record]) -> &'o mut [W::Record] {
         let (now, left) = out.split_at_mut(count);

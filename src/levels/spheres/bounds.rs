@@ -1,8 +1,8 @@
 //! Spheres and cones that are nested, whatever was rounded.
 //!
-//! A sphere or a cone that was rounded outwards may reach beyond that of its parent. The parent's, which holds all
-//! points below as well, then takes its place. So bounds are nested exactly, and whoever decodes them from the root
-//! down finds the same ones.
+//! A sphere or a cone that was rounded outwards may reach beyond its parent. The parent's, which holds all
+//! points below as well, then replaces it. So bounds are nested exactly, and decoding from the root down gives the same
+//! ones.
 
 use super::cone::Cone;
 use crate::math::Sphere;
@@ -10,12 +10,12 @@ use crate::math::Sphere;
 /// Bounds of the positions and of the normals of the points below a node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Bounds {
-    /// Inside that of the parent.
+    /// Inside the parent's.
     pub(super) sphere: Sphere,
-    /// Inside that of the parent.
+    /// Inside the parent's.
     pub(super) cone: Cone,
-    /// Maximum distance of the points below from the centre of the splat drawn for the node; not larger than that of
-    /// the parent.
+    /// Maximum distance of the points below from the centre of the splat drawn for the node; not larger than the
+    /// parent's.
     pub(super) radius: f32,
 }
 

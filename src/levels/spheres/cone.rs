@@ -1,4 +1,4 @@
-//! Cones around normals, by the cosine of half their opening.
+//! Cones around normals, by the cosine of their half angle.
 
 use glam::Vec3;
 
@@ -11,7 +11,7 @@ pub(super) struct Cone {
     pub(super) cosine: f32,
 }
 
-/// So much narrower than another a cone has to be to lie within it whatever is rounded, in cosines.
+/// Margin by which a cone must be narrower than another to lie within it despite rounding, in cosines.
 const MARGIN: f32 = 1e-4;
 
 impl Cone {

@@ -1,8 +1,8 @@
 //! Ellipses of nodes, where points are ellipses: from the leaves up.
 //!
 //! How it works: a node has the covariance of all points below, each ellipse counted as evenly filled. It follows from
-//! those of its children and the distances between them, so no point is visited twice. The node is drawn as the
-//! equivalent ellipse in the plane of the node, as large as its sphere; the octree's nodes are the same
+//! the covariances of its children and the distances between them, so no point is visited twice. The node is drawn as
+//! the equivalent ellipse in the plane of the node, as large as its sphere; the octree's nodes are the same
 //! (`octree/node_surfel.rs`).
 
 use super::split::{Child, Division, Inner, MAX_CHILDREN, NODES_PER_TASK};
@@ -67,7 +67,7 @@ impl Moments {
     }
 }
 
-/// The packed ellipses of all nodes, whose packed normals are asked for by their index; `None` where all points are
+/// The packed ellipses of all nodes, whose packed normals are looked up by index; `None` where all points are
 /// disks.
 pub(super) fn ellipses_of(
     division: &Division,

@@ -48,7 +48,7 @@ pub(super) struct Tested {
 pub struct SequenceFilter {
     pub(super) rule: Rule,
     pub(super) tested: Tested,
-    /// Candidates that are no leaves: the first of the sequence.
+    /// Candidates that are not leaves: the first of the sequence.
     pub(super) inner_candidates: u32,
     /// The first leaves.
     pub(super) leaf_candidates: u32,
@@ -94,7 +94,7 @@ impl SequenceFilter {
         self.len() == 0
     }
 
-    /// Candidates that are no leaves, which are the first.
+    /// Candidates that are not leaves, which are the first.
     pub fn inner_candidates(&self) -> u32 {
         self.inner_candidates
     }
@@ -114,7 +114,7 @@ impl SequenceFilter {
         self.rule.numbers()
     }
 
-    /// The name of a candidate, which is the place of its record.
+    /// The name of a candidate: the index of its record.
     pub fn name(&self, candidate: u32) -> u32 {
         match candidate.checked_sub(self.inner_candidates) {
             None => candidate + 1,

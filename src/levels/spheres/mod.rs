@@ -7,8 +7,8 @@
 //!   or as a hierarchy of them.
 //! - *Sequential point trees as printed* (`printed.rs`): by another rule, which draws more.
 //!
-//! A leaf is a point. What is drawn of a node is the disk of its sphere, or where points are ellipses one as large as
-//! that (`ellipses.rs`). Nodes of QSplat have no space for it.
+//! A leaf is a point. A node is drawn as the disk of its sphere or, where points are ellipses, as an ellipse of that
+//! size (`ellipses.rs`). Nodes of QSplat have no space for it.
 
 mod before;
 mod bounds;
@@ -63,7 +63,7 @@ pub struct SphereLevels {
     shapes: Arc<Vec<ShapeRecord>>,
     structure: Structure,
     cached: CachedNodes,
-    /// Test data of a sequence, once its nodes are kept.
+    /// Test data of a sequence, once its nodes are cached.
     tested: OnceLock<Tested>,
 }
 
@@ -75,10 +75,10 @@ enum Structure {
 }
 
 impl SphereLevels {
-    /// Builds the tree of these records, by as many threads as there are.
+    /// Builds the tree of these records, on all threads.
     ///
     /// # Panics
-    /// Preconditions: as many of both, in the Morton order of the cube around the points.
+    /// Preconditions: the same number of both, in the Morton order of the cube around the points.
     pub fn build(kind: SphereKind, points: Arc<Vec<PointRecord>>, shapes: Arc<Vec<ShapeRecord>>) -> Self {
         let precision = if kind == SphereKind::QSplat {
             Precision::Coded
@@ -102,7 +102,7 @@ impl SphereLevels {
         }
     }
 
-    /// Most bytes that it can come to, with the records of all nodes for whoever selects among them.
+    /// Maximum number of bytes, with the records of all nodes for selection.
     pub fn max_bytes(&self) -> usize {
         let size = self.size();
         let cached = size_of::<PointRecord>() + size_of::<ShapeRecord>() + size_of::<u32>();

@@ -4,9 +4,10 @@
 //! |---|---|
 //! | 0–12 | sphere, see `sphere_code.rs` |
 //! | 13–26 | normal: octahedral coordinates of 7 bits each |
-//! | 27–28 | half opening of the normal cone: sines of 1/16, 4/16 and 9/16; 3 is a cone of all directions |
+//! | 27–28 | half angle of the normal cone: sines of 1/16, 4/16 and 9/16; 3 is a cone of all directions |
 //! | 29–44 | colour: 5 bits of red, 6 of green, 5 of blue |
-//! | 45–47 | children: 0 for a leaf; 1 to 4 for as many leaves; 5 to 7 for 2 to 4 children, some of which have children |
+//! | 45–47 | children: 0 for a leaf; 1 to 4 for that many leaves; 5 to 7 for 2 to 4 children, some of which have
+//! children |
 
 use super::cone::Cone;
 use super::sphere_code::SPHERE_BITS;
@@ -23,10 +24,10 @@ const CHILDREN_SHIFT: u32 = COLOR_SHIFT + 16;
 /// Bits of an octahedral coordinate.
 const NORMAL_BITS: u32 = 7;
 
-/// Octahedral coordinates are as many steps to either side.
+/// Steps of octahedral coordinates to either side of zero.
 const NORMAL_STEPS: i32 = (1 << (NORMAL_BITS - 1)) - 1;
 
-/// Squares of the sines of half the openings of cones.
+/// Squares of the sines of the half angles of cones.
 const CONE_SINES_SQUARED: [f32; 3] = [1.0 / 256.0, 16.0 / 256.0, 81.0 / 256.0];
 
 /// The number of children where none of them has children; with this added where some have.
@@ -120,7 +121,7 @@ fn normal_of_steps(steps: [i32; 2]) -> [i16; 2] {
     steps.map(|steps| (steps * i32::from(i16::MAX) / NORMAL_STEPS) as i16)
 }
 
-/// The code of the narrowest cone around a packed normal with at least half this opening around another axis, by its
+/// The code of the narrowest cone around a packed normal with at least this half angle around another axis, by its
 /// cosine.
 pub(super) fn cone_code(cosine: f32) -> u8 {
     let narrowest = (0..CONE_SINES_SQUARED.len()).find(|&code| cone_cosine(code) <= cosine);

@@ -8,7 +8,7 @@
 //!
 //! It is too conservative where thresholds are small: the error of a view scales `r_min`, but not the distance between
 //! a node and its parent, so many nodes are drawn whose parents are drawn as well. These are counted. Normals are not
-//! tested, so `f = 1`, but what is outside the frustum or faces away is dropped, node by node, as vertex programs do.
+//! tested, so `f = 1`, but nodes outside the frustum or facing away are dropped, node by node, as vertex programs do.
 //!
 //! When it wins: never; it exists for comparison with the exact rule of [`super::sequential`].
 
@@ -40,7 +40,7 @@ pub(super) struct PrintedSequence {
     entries: Vec<Entry>,
     /// The least `r_min` of the entries up to each.
     min_r_min: Vec<f32>,
-    /// Nodes that are no leaves, in breadth-first order.
+    /// Nodes that are not leaves, in breadth-first order.
     inners: Vec<(Splat, Bounds)>,
     /// Around all.
     root: Sphere,
@@ -53,7 +53,7 @@ struct Entry {
     r_min: f32,
     r_max: f32,
     level: u32,
-    /// Place of its parent among the entries, or [`NO_PARENT`].
+    /// Index of its parent among the entries, or [`NO_PARENT`].
     parent: u32,
     node: Child,
     /// The inner node whose bounds it is dropped with: itself, or the parent of a leaf.
@@ -216,7 +216,7 @@ struct Selection<'a> {
     eye: DVec3,
     /// √τ: an angle.
     root_tau: f64,
-    /// Share of the threshold within which the view before decides.
+    /// Fraction of the threshold within which the previous view decides.
     band: f64,
     before: WasDivided,
     has_last_level: bool,

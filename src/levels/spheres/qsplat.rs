@@ -1,9 +1,9 @@
 //! QSplat: a tree of spheres of six bytes per node, decoded on the way (Rusinkiewicz and Levoy 2000).
 //!
-//! How it works: nodes stand in breadth-first order, siblings side by side, leaves as well. A group of siblings begins
-//! with a pointer to the children of its first that has any; those of the others follow there. A group of leaves alone
-//! has none, as stated in the parent. A sphere is encoded relative to that of its parent, so a cut keeps the spheres of
-//! its nodes. Everything of a node comes from its code, that of leaves too: positions, normals and colours are rounded.
+//! How it works: nodes are in breadth-first order, siblings contiguous, leaves as well. A group of siblings begins
+//! with a pointer to the children of its first that has any; the children of the others follow there. A group of leaves
+//! alone has none, as stated in the parent. A sphere is encoded relative to its parent's, so a cut keeps the spheres of
+//! its nodes. Everything of a node comes from its code, also of a leaf: positions, normals and colours are rounded.
 //!
 //! When it wins: where memory is short. A point takes nine to ten bytes with all nodes above it.
 
@@ -35,7 +35,7 @@ const ROOT_GROUP: usize = 0;
 /// The tree in one array.
 #[derive(Debug)]
 pub(super) struct QSplat {
-    /// Groups of siblings. A node is named by the place of its first word.
+    /// Groups of siblings. A node is named by the index of its first word.
     words: Vec<u16>,
     root: Sphere,
     node_count: usize,
@@ -164,12 +164,12 @@ impl QSplat {
         Records::Surfels { points, shapes }
     }
 
-    /// The place of a node among [`QSplat::node_records`]. Nodes are as many words apart at least.
+    /// The index of a node among [`QSplat::node_records`]. Nodes are at least that many words apart.
     pub(super) fn place_of(name: u32) -> u32 {
         name / NODE_WORDS as u32
     }
 
-    /// The records of all nodes; at places that no node has, of none.
+    /// The records of all nodes; unused indices have empty records.
     pub(super) fn node_records(&self) -> (Vec<PointRecord>, Vec<ShapeRecord>) {
         let places = self.words.len().div_ceil(NODE_WORDS);
         let mut points = vec![PointRecord::zeroed(); places];
@@ -193,7 +193,7 @@ impl QSplat {
         (points, shapes)
     }
 
-    /// The children of a node, which begin at a place.
+    /// The children of a node, which begin at an index.
     #[inline(always)]
     fn children(&self, parent: NodeCode, around: Sphere, group: usize) -> impl Iterator<Item = Decoded> {
         let (count, have_children) = parent.children();
@@ -229,7 +229,7 @@ impl QSplat {
     }
 }
 
-/// Writes the pointer of a group, if it has one; the words left.
+/// Writes the pointer of a group, if it has one; returns the remaining words.
 fn write_pointer<'w>(pointer: Option<&usize>, group: &'w mut [u16]) -> &'w mut [u16] {
     let Some(&pointer) = pointer else { return group };
     let (words, nodes) = group.split_at_mut(POINTER_WORDS);
@@ -265,7 +265,7 @@ struct Descent<'a> {
     before: WasDivided,
 }
 
-/// A node with children to be looked at.
+/// A node with children to be tested.
 struct Visit {
     name: usize,
     code: NodeCode,
@@ -306,7 +306,7 @@ impl Descent<'_> {
         found
     }
 
-    /// Draws the leaves among the children of a node and hands on the others.
+    /// Draws the leaves among the children of a node and passes on the others.
     #[inline(always)]
     fn each_child(&self, parent: &Visit, found: &mut FoundNodes, mut hand_on: impl FnMut(Visit, &mut FoundNodes)) {
         for child in self.qsplat.children(parent.code, parent.sphere, parent.children) {

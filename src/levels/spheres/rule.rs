@@ -3,7 +3,7 @@
 //!
 //! A node covers `ε = f·A/d²` on the screen, where `A = πr²`, r is the maximum distance of the points below from its
 //! centre, `d` is the distance from the eye to the nearest point of its sphere, and `f = cos max(γ − θ − β, 0)` is the
-//! visible fraction of the disk: γ is the angle between its normal and the direction to the eye, θ half the opening of
+//! visible fraction of the disk: γ is the angle between its normal and the direction to the eye, θ the half angle of
 //! its normal cone, and `sin β` is the radius of the sphere over the distance, which allows for the points away from
 //! its centre. A node is *small* if ε is at most the square of the LOD threshold, so that a threshold means a length in
 //! pixels whatever the metric. With edges instead ([`LodMetric::Edge`]), f is 1 and the square of the edge of the cube
@@ -18,14 +18,14 @@ use super::bounds::Bounds;
 use crate::levels::cut::{CutHints, LodMetric, SelectView};
 use glam::{DVec3, DVec4, Vec4};
 
-/// Verdict on a node.
+/// Result for a node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum NodeClass {
     /// Nothing of it can be seen.
     Dropped,
     /// It is drawn, if its parent is divided.
     Small,
-    /// Its children are looked at.
+    /// Its children are tested.
     Divided,
 }
 
@@ -39,12 +39,12 @@ pub(super) struct Rule {
     is_oriented: bool,
     culls_back_faces: bool,
     threshold_px2: f64,
-    /// Share of the threshold within which the view before decides.
+    /// Fraction of the threshold within which the previous view decides.
     band: f64,
     deepest_level: u32,
 }
 
-/// All that decides in a view. What was a single float before is one here.
+/// All that decides in a view. A single float there is one here.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RuleNumbers {
     /// Eye position that distances are measured from.
@@ -97,7 +97,7 @@ impl Rule {
         }
     }
 
-    /// Returns the verdict on a node that is not a leaf. `was_divided` returns whether the previous view divided it.
+    /// Returns the result for a node that is not a leaf. `was_divided` returns whether the previous view divided it.
     pub(super) fn node_class(&self, bounds: &Bounds, level: u32, was_divided: impl FnOnce() -> bool) -> NodeClass {
         let seen_share = self.seen_share(bounds);
         if self.is_dropped(bounds, seen_share) {
@@ -122,7 +122,7 @@ impl Rule {
 
     /// Nodes below this one are small if their radius is at most so much; negative where none needs to be.
     ///
-    /// Nested bounds are no nearer and no more of them is seen, so nothing but their radius can make them larger.
+    /// Nested bounds are not nearer and not more of them is seen, so nothing but their radius can make them larger.
     pub(super) fn small_radius_below(&self, bounds: &Bounds) -> f64 {
         let size_px2 = self.size_px2(bounds, self.seen_share(bounds));
         let small_px2 = self.threshold_px2 * (1.0 - self.band).powi(2);
@@ -193,5 +193,5 @@ impl Rule {
     }
 }
 
-/// A share that is more than what rounding in f64 comes to, and changes nothing else.
+/// A fraction larger than rounding errors of f64, and small enough to change nothing else.
 const ROUNDING: f64 = 1e-6;

@@ -8,10 +8,10 @@
 //!
 //! *One sequence* of the whole tree tests nodes in a prefix that does not know the frustum. *A hierarchy of sequences*
 //! ([`HIERARCHY_POINTS`]; after Windisch et al. 2025) has one for each subtree of a few points: the nodes above are
-//! traversed, and only subtrees that are in view and divided are looked at, each with a prefix of its own.
+//! traversed, and only subtrees that are in view and divided are tested, each with a prefix of its own.
 //!
-//! There is no lower end of a range (Sainz and Pajarola 2004 §4.3): a node that is seen from its edge is small however
-//! large it is.
+//! There is no lower end of a range (Sainz and Pajarola 2004 §4.3): a node that is seen edge-on is small whatever its
+//! size.
 //!
 //! When it wins: where there is no time to descend, and on GPUs, which test a prefix by themselves (`filter.rs`).
 
@@ -30,7 +30,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Most points of a sequence in a hierarchy of them.
+/// Maximum number of points of a sequence in a hierarchy.
 // Smaller subtrees are more homogeneous, so fewer nodes are tested in vain: with 256 points up to a twentieth more.
 pub(super) const HIERARCHY_POINTS: usize = 1 << 6;
 
@@ -48,7 +48,7 @@ pub(super) struct SequentialTree {
     uppers: Vec<Upper>,
 }
 
-/// A node that is no leaf.
+/// A node that is not a leaf.
 #[derive(Debug, Clone, Copy)]
 struct Inner {
     bounds: Bounds,
@@ -58,7 +58,7 @@ struct Inner {
     leaf_count: u8,
     /// Index of the first of these leaves.
     first_leaf: u32,
-    /// The place of its parent in the sequence, or [`NO_PARENT`].
+    /// The index of its parent in the sequence, or [`NO_PARENT`].
     parent: u32,
     /// `r_max`.
     parent_radius: f32,
@@ -74,7 +74,7 @@ struct Upper {
 }
 
 impl SequentialTree {
-    /// Sequences of a tree, each of a subtree with at most so many points.
+    /// Sequences of a tree, each of a subtree with at most this many points.
     pub(super) fn of(tree: &SphereTree, max_points: usize) -> Self {
         let uppers = upper_nodes(&tree.division, max_points);
         let sequences: Vec<Sequence> = uppers.par_iter().map(|upper| upper.sequence(tree)).collect();
@@ -282,7 +282,7 @@ struct Sequence {
 #[derive(Debug, Clone, Copy)]
 struct Below {
     node: u32,
-    /// The place of its parent among the nodes below, or [`NO_PARENT`].
+    /// The index of its parent among the nodes below, or [`NO_PARENT`].
     parent: u32,
 }
 

@@ -1,9 +1,9 @@
-//! Spheres in 13 bits, encoded relative to that of their parent (Rusinkiewicz and Levoy 2000, §3.1).
+//! Spheres in 13 bits, encoded relative to their parents (Rusinkiewicz and Levoy 2000, §3.1).
 //!
 //! How it works: the centre is on a grid of 13 × 13 × 13 positions, a thirteenth of the parent's diameter apart; the
 //! radius is a number of thirteenths of the parent's, 1 to 13. Not all of the 13⁴ combinations are of use, as children
 //! are inside their parents: codes are the 8,192 that reach the least beyond it. Radii are rounded up until the sphere
-//! holds what it was made for, seen from its rounded centre, so nothing is lost from level to level. A sphere that no
+//! holds its contents, seen from its rounded centre, so nothing is lost from level to level. A sphere that no
 //! code holds in this manner moves towards the centre of the parent, and at last becomes the parent's own sphere.
 
 use crate::math::Sphere;
@@ -64,7 +64,7 @@ fn reach(steps: Steps) -> f64 {
     2.0 * f64::from(squared).sqrt() + f64::from(steps.radius)
 }
 
-/// Its place in the table of codes.
+/// Its index in the table of codes.
 fn place_of(steps: Steps) -> usize {
     let coordinates = steps.place.map(|aside| (aside + MAX_STEPS_ASIDE) as usize);
     coordinates
@@ -88,7 +88,8 @@ fn sphere_at(parent: &Sphere, steps: Steps) -> Sphere {
     }
 }
 
-/// The code of the nearest sphere that holds `child`; that of the parent's, which holds all of its points.
+/// The code of the nearest sphere that holds `child`; else the code of the parent's own sphere, which holds all of its
+/// points.
 pub(super) fn encoded(parent: &Sphere, child: &Sphere) -> u16 {
     let step = parent.radius / STEPS as f32;
     let max = f32::from(MAX_STEPS_ASIDE);

@@ -6,7 +6,7 @@ use crate::levels::structure::{RecordBuffers, Records};
 use crate::math::Sphere;
 use rayon::prelude::*;
 
-/// The disk or ellipse of a node that is no leaf.
+/// The disk or ellipse of a node that is not a leaf.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Splat {
     center: [f32; 3],
@@ -17,7 +17,7 @@ pub(super) struct Splat {
 }
 
 impl Splat {
-    /// As large as the sphere, and across the mean normal (Sainz and Pajarola 2004 §4.1, sprites).
+    /// As large as the sphere, and perpendicular to the mean normal (Sainz and Pajarola 2004 §4.1, sprites).
     pub(super) fn new(sphere: &Sphere, normal: [i16; 2], color: [u8; 4]) -> Self {
         Self {
             center: sphere.center.to_array(),
@@ -28,7 +28,7 @@ impl Splat {
         }
     }
 
-    /// With what is not rounded of the normal and the colour.
+    /// With the unrounded normal and colour.
     pub(super) fn of(node: &Node) -> Self {
         Self {
             ellipse: node.ellipse,
@@ -51,7 +51,7 @@ impl Splat {
     }
 }
 
-/// The records of all of so many nodes.
+/// The records of all nodes, this many.
 pub(super) fn all(
     node_count: usize,
     records: impl Fn(u32) -> (PointRecord, ShapeRecord) + Send + Sync,

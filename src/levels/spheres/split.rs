@@ -11,13 +11,13 @@
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Most children of a node.
+/// Maximum number of children of a node.
 pub(super) const MAX_CHILDREN: usize = 4;
 
 /// Nodes that are worth handing to another thread.
 pub(super) const NODES_PER_TASK: usize = 256;
 
-/// A node that is no leaf: at least one point in at most four children.
+/// A node that is not a leaf: at least one point in at most four children.
 #[derive(Debug, Clone)]
 pub(super) struct Inner {
     /// The first point of each child, then the end of the last.
@@ -25,7 +25,7 @@ pub(super) struct Inner {
     child_count: u8,
     /// The root is on level 0.
     pub(super) level: u8,
-    /// Index of the first of its children that are no leaves; the others of these follow.
+    /// Index of the first of its children that are not leaves; the others of these follow.
     first_child: u32,
     /// Index of its parent; the root is its own.
     pub(super) parent: u32,
@@ -34,13 +34,13 @@ pub(super) struct Inner {
 /// A child of a node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Child {
-    /// A single point, by its place in Morton order.
+    /// A single point, by its index in Morton order.
     Leaf(u32),
     /// A node, by its index.
     Inner(u32),
 }
 
-/// The nodes of a tree that are no leaves, in breadth-first order.
+/// The nodes of a tree that are not leaves, in breadth-first order.
 #[derive(Debug)]
 pub(super) struct Division {
     pub(super) inners: Vec<Inner>,
@@ -62,7 +62,7 @@ impl Inner {
         })
     }
 
-    /// Its children that are no leaves.
+    /// Its children that are not leaves.
     pub(super) fn inner_children(&self) -> Range<u32> {
         let ends = self.starts[..=usize::from(self.child_count)].array_windows();
         let count = ends.filter(|[start, end]| end - start > 1).count();

@@ -1,7 +1,7 @@
 //! Per-node summary of the points below and of their bounds, computed from the leaves up.
 //!
-//! A sphere around spheres is wider than one around what they hold, by a tenth where nodes have few points. So nodes of
-//! few points have spheres around the disks of these.
+//! A sphere around spheres is wider than one around their contents, by a tenth where nodes have few points. So the
+//! spheres of nodes of few points enclose the disks of these.
 
 use super::cone::cosine_of_sum;
 use super::split::{Child, Division, Inner, NODES_PER_TASK};
@@ -10,7 +10,7 @@ use crate::math::Sphere;
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
-/// Nodes of more points have spheres around those of their children.
+/// The spheres of nodes of more points enclose those of their children.
 // Spheres around spheres are wider than spheres around their contents, by a tenth.
 const FEW_POINTS: usize = 64;
 
@@ -21,7 +21,7 @@ pub(super) struct Summary {
     pub(super) sphere: Sphere,
     /// Maximum distance of the points from the centre of the sphere.
     pub(super) spread: f32,
-    /// Mean unit normal; that of the first child where there is no mean.
+    /// Mean unit normal; the first child's where there is no mean.
     pub(super) normal: Vec3,
     /// Cosine of an angle from the mean normal that none of theirs exceeds; −1 where nothing is known.
     pub(super) cone_cosine: f32,
@@ -112,7 +112,7 @@ fn disk(point: &PointRecord, shape: &ShapeRecord) -> Sphere {
     }
 }
 
-/// The summaries of all nodes that are no leaves.
+/// The summaries of all nodes that are not leaves.
 pub(super) fn summaries(division: &Division, points: &[PointRecord], shapes: &[ShapeRecord]) -> Vec<Summary> {
     let mut summaries = vec![Summary::NONE; division.inners.len()];
     for level in division.levels().rev() {

@@ -285,7 +285,7 @@ fn drawn_nodes_match_the_definition() {
     }
 }
 
-/// How often each point is covered by what is drawn.
+/// Number of times that each point is covered by the drawn nodes.
 fn coverage(tree: &SphereTree, of: &Records, drawn: &[Child]) -> Vec<u32> {
     let mut coverage = vec![0; of.0.len()];
     for &node in drawn {

@@ -1,12 +1,12 @@
-//! A tree of spheres around the points of a cloud, of which each of the structures here is made.
+//! A tree of spheres around the points of a cloud, from which each of the structures here is built.
 //!
 //! How it works: the points are divided (`split.rs`), their summaries are made from the leaves up (`summary.rs`), and
 //! spheres and cones are nested from the root down.
 //!
-//! A *coded* tree is rounded on that way: a sphere to a code against the *rounded* sphere of its parent, so that errors
-//! do not add up (Rusinkiewicz and Levoy 2000, §3.1). All structures draw the same nodes of it, as rounded spheres and
-//! cones are what they decide by. Spheres of 13 bits are a quarter wider, though, so half as many nodes again are drawn
-//! at a threshold. So only QSplat, which has no room for more, is made of a coded tree.
+//! A *coded* tree is rounded on the way: a sphere to a code relative to the *rounded* sphere of its parent, so that
+//! errors do not add up (Rusinkiewicz and Levoy 2000, §3.1). All structures draw the same nodes of it, as they decide
+//! by rounded spheres and cones. Spheres of 13 bits are a quarter wider, though, so half as many nodes again are drawn
+//! at a threshold. So only QSplat, which has no space for more, is built from a coded tree.
 
 use super::bounds::Bounds;
 use super::cone::{Cone, cosine_of_sum};
@@ -32,7 +32,7 @@ pub(super) enum Precision {
     Coded,
 }
 
-/// A node that is no leaf.
+/// A node that is not a leaf.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Node {
     /// Bounding sphere drawn for it: holds the disks of all points below.
@@ -59,7 +59,7 @@ impl SphereTree {
     /// The tree of these points.
     ///
     /// # Panics
-    /// Preconditions: points in Morton order of the cube around them, as many of both.
+    /// Preconditions: points in Morton order of the cube around them, the same number of both.
     pub(super) fn build(points: &[PointRecord], shapes: &[ShapeRecord], precision: Precision) -> Self {
         assert_eq!(points.len(), shapes.len(), "one shape a point");
         let positions: Vec<Vec3> = points.iter().map(|point| Vec3::from_array(point.position)).collect();
@@ -79,7 +79,7 @@ impl SphereTree {
     }
 }
 
-/// All nodes, each made of its parent, if it has one, and its summary.
+/// All nodes, each built from its parent, if it has one, and its summary.
 fn nested<T: Send + Sync>(
     division: &Division,
     summaries: &[Summary],

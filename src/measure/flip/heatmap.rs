@@ -1,4 +1,4 @@
-//! An error map as a picture: black where nothing differs, through purple and orange to pale yellow.
+//! An error map as an image: black where nothing differs, through purple and orange to pale yellow.
 //!
 //! How it works: as in the figures of the FLIP paper, colours are those of the map *magma* (Smith and van der Walt
 //! 2015, CC0), whose lightness rises evenly, so that a printed or colour-blind view orders errors the same.
@@ -8,10 +8,10 @@ use crate::analysis::ColorMap;
 use image::{Rgba, RgbaImage};
 
 impl ErrorMap {
-    /// The map as an opaque picture of the same size, from black (0) to pale yellow (1).
+    /// The map as an opaque image of the same size, from black (0) to pale yellow (1).
     ///
     /// # Panics
-    /// Precondition: as many errors as pixels.
+    /// Precondition: one error per pixel.
     pub fn to_heatmap(&self) -> RgbaImage {
         let [width, height] = self.size_px;
         let pixels = u64::from(width) * u64::from(height);
@@ -23,7 +23,7 @@ impl ErrorMap {
     }
 }
 
-/// The colour of an error; beyond 0 to 1 that of the nearer end.
+/// The colour of an error; outside 0 to 1 the colour of the nearer end.
 fn color(error: f32) -> [u8; 3] {
     let [red, green, blue, _] = ColorMap::Magma.color(error);
     [red, green, blue]

@@ -20,8 +20,7 @@ pub(super) struct Kernel {
 }
 
 impl Kernel {
-    /// Weights of `weight` at pixels up to `radius_px`, of which the positive ones add up to 1 and the negative ones,
-    /// if any, to −1.
+    /// Weights of `weight` at pixels up to `radius_px`; the positive ones add up to 1 and any negative ones to −1.
     pub(super) fn normalized(radius_px: usize, weight: impl Fn(f64) -> f64) -> Self {
         let raw = |radius: usize| -> Vec<f64> {
             let radius = radius as i32;
@@ -91,7 +90,7 @@ impl Plane {
         })
     }
 
-    /// A plane of the same size, of which `write` fills one row of zeros after the other.
+    /// A plane of the same size; `write` fills one zeroed row after the other.
     fn by_rows(&self, write: impl Fn(usize, &mut [f32]) + Sync) -> Self {
         let mut values = vec![0.0; self.values.len()];
         values

@@ -1,14 +1,13 @@
-//! FLIP for pictures of low dynamic range: the difference that a person notices who flips between two pictures.
+//! FLIP for images of low dynamic range: the difference noticed when flipping between two images.
 //!
 //! How it works (Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild: *FLIP: A Difference Evaluator for
 //! Alternating Images*, HPG 2020):
-//! 1. *Colour* (§4.1). Both pictures are blurred as the eye blurs them at their viewing distance, luminance, red-green
-//!    and blue-yellow each by its contrast sensitivity; what is left is compared by `HyAB` in Hunt-adjusted L*a*b*, and
-//!    the distances are compressed into 0 to 1.
+//! 1. *Colour* (§4.1). Both images are blurred as the eye blurs them at their viewing distance, luminance, red-green
+//!    and blue-yellow each by its contrast sensitivity; the rest is compared by `HyAB` in Hunt-adjusted L*a*b*, and the
+//!    distances are compressed into 0 to 1.
 //! 2. *Features* (§4.2). Edges and points of the luminance, by first and second derivatives of a Gaussian, are compared
 //!    by their strength: an eye is drawn to them.
-//! 3. The error of a pixel is that of its colour to the power of one minus that of its features (§4.3): features
-//!    amplify.
+//! 3. The error of a pixel is its colour error to the power of one minus its feature error (§4.3): features amplify.
 //!
 //! When it wins: over mean squares, which see neither that noise of a pixel blurs away nor that a missing edge does
 //! not.
@@ -48,7 +47,7 @@ const FEATURE_WIDTH_DEG: f64 = 0.082;
 const COLOR_EXPONENT: f32 = 0.7;
 const FEATURE_EXPONENT: f32 = 0.5;
 
-/// This part of the largest distance of colours is mapped to [`KNEE_ERROR`]; what is beyond shares the rest of 0 to 1.
+/// This part of the largest distance of colours is mapped to [`KNEE_ERROR`]; larger ones share the rest of 0 to 1.
 const KNEE: f32 = 0.4;
 const KNEE_ERROR: f32 = 0.95;
 
@@ -103,7 +102,7 @@ pub struct Perceived {
 }
 
 impl Perceived {
-    /// Looks at `image`, of which `pixels_per_degree` (positive) make a degree of the field of view. Alpha is ignored.
+    /// Looks at `image`, whose field of view has `pixels_per_degree` (positive) pixels per degree. Alpha is ignored.
     pub fn of(image: &RgbaImage, pixels_per_degree: f64) -> Self {
         let width = image.width() as usize;
         let pixels: Vec<Vec3> = image

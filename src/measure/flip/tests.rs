@@ -1,11 +1,11 @@
-//! FLIP against the authors' evaluator and against what must hold of any such measure.
+//! FLIP against the authors' evaluator and against properties of any such measure.
 
 use super::*;
 use image::Rgba;
 
 const SIZE_PX: [u32; 2] = [64, 48];
 
-/// A picture from a formula; channels are taken modulo 256.
+/// An image from a formula; channels are taken modulo 256.
 fn picture(color: impl Fn(u32, u32) -> [u32; 3]) -> RgbaImage {
     RgbaImage::from_fn(SIZE_PX[0], SIZE_PX[1], |x, y| {
         let [red, green, blue] = color(x, y).map(|channel| channel as u8);

@@ -7,10 +7,10 @@
 //! directions, since a cloud with a hole is near to the whole one and not the other way round; the symmetric figure is
 //! the larger one.
 //!
-//! As in `pc_error`, only the reference needs normals. A point of the test has the mean of those of the reference's
-//! points whose nearest it is (not brought back to unit length), or else that of its own nearest; and if there is no
-//! normal, D2 is D1. Of equally near points the first counts, so clouds on a grid may differ a little from `pc_error`,
-//! which decides at random. Coincident points all count. Maxima are distances here, squares there.
+//! As in `pc_error`, only the reference needs normals. A test point takes the mean normal of the reference points whose
+//! nearest it is (not renormalised), or else the normal of its own nearest one; and if there is no normal, D2 is D1. Of
+//! equally near points the first counts, so clouds on a grid may differ a little from `pc_error`, which decides at
+//! random. Coincident points all count. Maxima are distances here, squares there.
 //!
 //! Distances are computed and summed in f64, in pieces of fixed size: any number of threads gives the same bits.
 
@@ -25,16 +25,16 @@ use rayon::prelude::*;
 /// Points whose errors one task adds up. Fixed, as sums depend on where they are cut.
 const POINTS_PER_TASK: usize = 1 << 12;
 
-/// Why two clouds have no distance.
+/// Reasons why two clouds have no distance.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum CloudMismatch {
-    /// One has no points.
+    /// One is empty.
     #[error("{0} has no points")]
     Empty(Side),
     /// A coordinate is infinite or no number.
     #[error("point {index} of {side} is not finite")]
     NotFinite {
-        /// Whose point.
+        /// The cloud of the point.
         side: Side,
         /// Its index.
         index: usize,
@@ -115,7 +115,7 @@ impl Distances {
 /// Geometric distance between two clouds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GeometryError {
-    /// D1: lengths of the ways.
+    /// D1: lengths of the difference vectors.
     pub point_to_point: Distances,
     /// D2: lengths along the normals, but for rounding never above D1; `None` where no normals were given.
     pub point_to_plane: Option<Distances>,
@@ -164,7 +164,7 @@ struct Directions<'a> {
     from_test: Vec<u32>,
 }
 
-/// From where a way leads to where.
+/// Start and end of a difference vector.
 #[derive(Clone, Copy)]
 enum TargetPoint {
     Test(u32),
@@ -186,7 +186,7 @@ impl Directions<'_> {
         })
     }
 
-    /// `squared_error` of all ways.
+    /// `squared_error` of all difference vectors.
     fn distances(&self, squared_error: impl Fn(TargetPoint, DVec3) -> f64 + Sync) -> Distances {
         let [reference, test] = [self.reference, self.test];
         Distances {
@@ -231,7 +231,7 @@ impl Directions<'_> {
     }
 }
 
-/// The errors of the ways from each of `places` to the point of `cloud` that is its nearest.
+/// The errors from each of `places` to its nearest point of `cloud`.
 fn one_way(
     places: &[Vec3],
     cloud: &[Vec3],

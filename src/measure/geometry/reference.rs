@@ -1,13 +1,13 @@
-//! A cloud that others are held against: where its points are, their colours and their normals.
+//! A reference cloud for comparisons: positions of its points, their colours and their normals.
 //!
-//! How it works: positions are compared as in [`GeometryError`]. A colour is compared with that of the nearest point of
-//! the other cloud, from both clouds, and the larger mean of squares counts, as `pc_error` does it; but over red, green
-//! and blue as they are stored. A normal of the test is held against that of the nearest point of the reference.
+//! How it works: positions are compared as in [`GeometryError`]. A colour is compared with the colour of the nearest
+//! point of the other cloud, from both clouds, and the larger mean of squares counts, as `pc_error` does it; but over
+//! red, green and blue as they are stored. A test normal is compared with the normal of the nearest reference point.
 //!
-//! Points at the same place cannot be told apart by their places. Each counts with the mean of all that are there, in
-//! both clouds; so a cloud in another order has no error.
+//! Points at the same place cannot be distinguished by position. Each counts with the mean of all points there, in both
+//! clouds; so a cloud in another order has no error.
 //!
-//! The reference is sorted once, whatever number of clouds is held against it.
+//! The reference is sorted once, however many clouds are compared with it.
 
 use super::{CloudMismatch, Directions, GeometryError, Side, check, nearest_of_each};
 use crate::analysis::{NearestPoint, estimate_surface};
@@ -17,13 +17,13 @@ use crate::measure::{AngularError, Orientation, psnr_db};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-/// A cloud that others are held against.
+/// A reference cloud for comparisons.
 #[derive(Debug)]
 pub struct ReferenceCloud {
     cloud: Comparable,
     /// From here places are near enough to be f32.
     corner: DVec3,
-    /// Estimated where the cloud has none and they were asked for.
+    /// Estimated if the cloud has none and they were requested.
     normals_of_planes: Option<Vec<Vec3>>,
     nearest: NearestPoint,
 }
@@ -33,7 +33,7 @@ pub struct ReferenceCloud {
 pub struct CloudError {
     /// D1, and D2 where the reference has normals.
     pub geometry: GeometryError,
-    /// Longest edge of the reference's box, in its unit: what PSNR of positions are in relation to.
+    /// Longest edge of the reference's box, in its unit: the peak value for the PSNR of positions.
     pub peak: f64,
     /// Mean squared difference of a channel, 0 to 255²; `None` unless both have colours.
     pub color_squared: Option<f64>,
@@ -171,13 +171,12 @@ impl Comparable {
             colors: colors.map(|colors| finite.iter().map(|&index| color(&colors[index])).collect()),
             normals: normals.map(|normals| finite.iter().map(|&index| normals[index].into()).collect()),
         };
-        // In both clouds: models have several normals per corner, and a lossless file has zero error whatever its
-        // order.
+        // In both clouds: models have several normals per corner, and a lossless file has zero error in any order.
         comparable.level_coincident();
         comparable
     }
 
-    /// Gives points at the same place the mean of what they have.
+    /// Gives points at the same place the mean of their attributes.
     fn level_coincident(&mut self) {
         if self.colors.is_none() && self.normals.is_none() {
             return;

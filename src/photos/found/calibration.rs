@@ -1,7 +1,7 @@
 //! Calibration listed by a reconstruction, before any input image is looked for.
 //!
-//! One file may list input images that exist ([`Calibration::posed_images`]), or cameras of a multi-view video, of
-//! which each time step has images of its own ([`Rig`]). The names in it, and the folders around it, determine which.
+//! One file may list input images that exist ([`Calibration::posed_images`]), or cameras of a multi-view video, each
+//! time step of which has its own images ([`Rig`]). The names in it, and the folders around it, determine which.
 
 use super::rig::Rig;
 use crate::photos::error::PhotosError;
@@ -20,7 +20,7 @@ impl Calibration {
         Self { drafts }
     }
 
-    /// The file; of COLMAP that of its images.
+    /// The file; for COLMAP, the file of its images.
     pub fn path(&self) -> &Path {
         &self.drafts.path
     }
@@ -64,7 +64,7 @@ impl Calibration {
         self.drafts.into_view_set()
     }
 
-    /// Returns the rig of cameras, if the names are those of cameras and not of images.
+    /// Returns the rig of cameras, if the names belong to cameras and not to images.
     ///
     /// # Errors
     /// [`PhotosError::NoPhotos`] if no camera has a lens and a pose.

@@ -1,8 +1,8 @@
 //! Drafts of input images, from the listing of a file to images that can be shown: files are found, sizes checked,
 //! poses validated.
 //!
-//! A problem with one image affects only that image: it is skipped, along with its tracks, and a note reports it. A set
-//! of which nothing is left is an error that reports the reason.
+//! A problem with one image affects only that image: it is skipped, along with its tracks, and a note reports it. If
+//! nothing of a set is left, that is an error with the reason.
 
 use super::files::Files;
 use super::picture_file::size_px;
@@ -33,7 +33,7 @@ pub(in crate::photos) struct Draft {
     pub(in crate::photos) depth_range: Option<[f64; 2]>,
     /// A copy that was made for this list: it is taken before any file of the name, if it is there.
     pub(in crate::photos) copy: Option<PathBuf>,
-    /// When it was taken, in whatever unit, where the format has such a thing.
+    /// Capture time, in any unit, if the format has one.
     pub(in crate::photos) time: Option<f64>,
 }
 
@@ -54,7 +54,7 @@ pub(in crate::photos) struct Drafts {
 /// Tolerance of the products of the axes of a rotation from 0 and 1: files are written with as few as four digits.
 const MAX_SKEW: f64 = 0.01;
 
-/// Names that a note lists before it says how many more there are.
+/// Names that a note lists before it gives the number of others.
 const MAX_NAMES: usize = 3;
 
 /// Maximum number of reasons reported: damage can produce one for every input image, and a hundred suffice for the
@@ -212,7 +212,7 @@ pub(in crate::photos) fn reason_of_nothing(notes: &[String]) -> String {
     }
 }
 
-/// A turn and a shift, or why they are none. What a text has rounded is a turn again.
+/// A rotation and a translation, or the reason why they are not. A matrix rounded in text is made a rotation again.
 fn pose(turn: DMat3, shift: DVec3) -> Result<DAffine3, String> {
     if !turn.is_finite() || !shift.is_finite() {
         return Err("its pose has numbers that are not finite".into());

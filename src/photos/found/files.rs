@@ -1,11 +1,11 @@
 //! Image file lookup, from the names that a reconstruction has for its input images.
 //!
-//! *How it works.* Names are paths of another machine, often: absolute, with the separators of another system, with
+//! *How it works.* Names are often paths of another machine: absolute, with the separators of another system, with
 //! another extension after undistortion or without any, or in another case. A name is tried unchanged below each folder
 //! in which images usually are, with its own and then with other extensions; then its remainder without the folders in
 //! front (`cam0/1.jpg`); then its last part alone is looked up in lists of these folders, without regard to case, and
-//! then without its extension. The remainder has to be that of one name only: `left/1.jpg` and `right/1.jpg` are never
-//! the same image.
+//! then without its extension. The remainder has to be unique to one name: `left/1.jpg` and `right/1.jpg` are never the
+//! same image.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -37,7 +37,7 @@ const MASK_FOLDERS: &[&str] = &["masks", "mask", "images/masks", "silhouettes"];
 /// File extensions that the image decoder reads.
 const EXTENSIONS: &[&str] = &["png", "jpg", "jpeg", "webp", "ppm", "pgm", "pnm", "gif", "hdr"];
 
-/// Pictures that programs calibrate, and the decoder does not read: converted copies stand for them.
+/// Image formats that programs calibrate but the decoder does not read: converted copies stand in for them.
 const NOT_READ: &[&str] = &["avif", "bmp", "dng", "exr", "heic", "heif", "jxl", "tga", "tif", "tiff"];
 
 /// Maximum number of entries of a folder that are visited: a folder of more is not one of images alone.
@@ -52,19 +52,18 @@ pub(in crate::photos) struct Files {
     endings: HashMap<String, usize>,
 }
 
-/// The pictures in a folder.
+/// The images in a folder.
 #[derive(Debug)]
 struct Listing {
     folder: PathBuf,
-    /// By names in lower case.
+    /// Paths by name in lower case.
     by_name: HashMap<String, PathBuf>,
-    /// By names in lower case, without the extension.
+    /// Paths by name in lower case, without the extension.
     by_stem: HashMap<String, PathBuf>,
 }
 
 impl Files {
-    /// Collects the image files around `folders`, of which the first that has one wins, for input images of these
-    /// `names`.
+    /// Collects the image files around `folders`, the first with a match winning, for input images of these `names`.
     pub(in crate::photos) fn around<'a>(folders: &[PathBuf], names: impl IntoIterator<Item = &'a str>) -> Self {
         let mut endings = HashMap::new();
         for name in names {
@@ -127,7 +126,7 @@ impl Files {
         all.find(|path| path.is_file())
     }
 
-    /// The file of what is left of a name without the first of its folders, as far as no other name ends so.
+    /// The file of the remainder of a name without its first folders, if no other name ends in it.
     fn without_folders_in_front(&self, name: &str) -> Option<PathBuf> {
         let last_two = last_two_parts(name)?;
         if self
@@ -189,7 +188,7 @@ impl Files {
         let name = path.file_name()?.to_str()?;
         let stem = path.file_stem()?.to_str()?;
         let names = [
-            // The naming of COLMAP, and those of RealityCapture and OpenDroneMap.
+            // The namings of COLMAP, RealityCapture and OpenDroneMap.
             format!("{name}.png"),
             format!("{name}.mask.png"),
             format!("{stem}_mask.png"),
@@ -286,7 +285,7 @@ pub(super) fn last_part(name: &str) -> &str {
     name.rsplit(['/', '\\']).next().unwrap_or(name)
 }
 
-/// The name without its extension, if that is one of a picture. `name` is in lower case.
+/// The name without its extension, if that is an image extension. `name` is in lower case.
 fn stem_of_picture(name: &str) -> Option<&str> {
     let (stem, extension) = name.rsplit_once('.')?;
     (!stem.is_empty() && EXTENSIONS.contains(&extension)).then_some(stem)

@@ -1,4 +1,4 @@
-//! From what a reader found (a draft) to sets and rigs: images that can be shown, and their sizes. Knows no format of
+//! From a reader's draft to sets and rigs: images that can be shown, and their sizes. Knows no format of
 //! reconstructions.
 
 pub(super) mod calibration;

@@ -6,16 +6,16 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
-/// The pixels of a picture.
+/// The pixels of an image.
 ///
 /// # Errors
-/// Where the file cannot be read, or is no picture.
+/// An error if the file cannot be read, or is not an image.
 pub(in crate::photos) fn decode(path: &Path) -> Result<DynamicImage, PhotosError> {
     open(path)?.decode().map_err(|source| no_picture(path, source))
 }
 
-/// Width and height of a picture, as its header says; the turn that a camera noted in EXIF is not applied, as
-/// programs that calibrate do not apply it.
+/// Width and height of an image, from its header; EXIF orientation is not applied, as calibration programs do not apply
+/// it.
 ///
 /// # Errors
 /// As [`decode`].

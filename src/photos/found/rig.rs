@@ -19,7 +19,7 @@ use glam::DAffine3;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
-/// Points that say how far away things are, in each set of a rig.
+/// Points that give distances, in each set of a rig.
 const MAX_POINTS: usize = 4096;
 
 /// Cameras of one world.
@@ -178,7 +178,7 @@ impl Rig {
         })
     }
 
-    /// The points with observations in pixels of `photos`; `numbers` are those of the cameras.
+    /// The points with observations in pixels of `photos`; `numbers` are the cameras' numbers.
     fn tracked(&self, photos: &[Photo], numbers: &[Option<u32>]) -> SparsePoints {
         self.points.clone().with_observations(|seen| {
             let photo = (*numbers.get(seen.photo as usize)?)?;
@@ -191,7 +191,7 @@ impl Rig {
 }
 
 impl RigCamera {
-    /// Returns the camera as a posed image without a file, though nothing shows what it saw.
+    /// Returns the camera as a posed image without a file, though there is no image of its view.
     fn without_file(&self, usual_px: [u32; 2]) -> Option<Photo> {
         let size_px = self.lens.size_px.unwrap_or(usual_px);
         Some(Photo {
@@ -206,7 +206,7 @@ impl RigCamera {
     }
 }
 
-/// The folder that the name is in, as that of a camera, or the name without its extension.
+/// The folder of the name, as a camera's, or the name without its extension.
 fn name_of_camera(draft: &Draft) -> String {
     let name = draft.name.replace('\\', "/");
     let name = name.trim_start_matches("./");

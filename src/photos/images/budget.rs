@@ -9,7 +9,7 @@ use super::mips::half;
 /// Bytes of a pixel: red, green, blue and alpha.
 const PIXEL_BYTES: u64 = 4;
 
-/// Sides are below 2^32: after as many halves all are one pixel.
+/// Sides are below 2^32: after 32 halvings all are one pixel.
 const MAX_HALVINGS: u32 = 32;
 
 /// Bytes of a texture of `size_px` with all levels of its mipmap.

@@ -54,9 +54,9 @@ struct Samples {
 }
 
 /// Computes a gain for red, green and blue of each image, to be multiplied with its display values. Their mean is 1.
-/// Images without points that others show too keep 1.
+/// Images that share no points with others keep 1.
 ///
-/// `photos` are those of the set that `points` are of, in its order; `None` for those that are not used.
+/// `photos` are the images of the set of `points`, in its order; `None` for unused ones.
 pub fn gains(points: &SparsePoints, photos: &[Option<PreparedPhoto>]) -> Vec<[f32; 3]> {
     let samples = Samples::of(points, photos);
     let mut has_samples = vec![false; photos.len()];
@@ -137,7 +137,7 @@ impl Samples {
         }
     }
 
-    /// Logarithms of gains that make the weighted squares least, from `start`.
+    /// Logarithms of gains that minimise the weighted squares, from `start`.
     fn solve(&self, logs: &[f64], weights: &[f64], start: Vec<f64>) -> Vec<f64> {
         let photo = |at: usize| self.all[at].photo;
         // Matrix-free: 100 images with 500,000 observations take half a second.
@@ -204,7 +204,7 @@ mod tests {
 
     const SIDE: usize = 120;
 
-    /// A photograph of the plane z = 1, of coloured squares, times `gain`.
+    /// An image of the plane z = 1, of coloured squares, times `gain`.
     fn photo(gain: [f32; 3], outliers: bool) -> PreparedPhoto {
         let camera = Camera::new(
             [SIDE as u32; 2],
@@ -234,7 +234,7 @@ mod tests {
         }
     }
 
-    /// The middle of each square, seen by these photographs.
+    /// The centre of each square, seen by these images.
     fn points(photos: &[u32]) -> SparsePoints {
         let mut points = SparsePoints::default();
         for square in 0..100 {

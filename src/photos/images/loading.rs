@@ -22,7 +22,7 @@ const MAX_SIDE_PX: u32 = 8192;
 /// Input images whose pixels were loaded, and the problems with others.
 #[derive(Debug)]
 pub struct LoadedPhotos {
-    /// Those that could be loaded.
+    /// The images that could be loaded.
     pub posed_images: Arc<PosedImages>,
     /// Notes on the images that could not be loaded, one sentence each.
     pub notes: Vec<String>,

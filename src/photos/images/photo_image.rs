@@ -7,7 +7,7 @@ use glam::DVec2;
 use image::DynamicImage;
 
 /// Red, green, blue (display values) and alpha, line by line from the top. Colours are not multiplied by alpha: 255 is
-/// a pixel of the object, 0 one of which nothing is known.
+/// a pixel of the object, 0 an unknown one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PhotoImage {
     size_px: [u32; 2],
@@ -15,13 +15,13 @@ pub struct PhotoImage {
 }
 
 impl PhotoImage {
-    /// The image of these pixels; `None` where they are not as many as it has.
+    /// The image of these pixels; `None` if their number does not match its size.
     pub fn new(size_px: [u32; 2], pixels: Vec<[u8; 4]>) -> Option<Self> {
         let count = u64::from(size_px[0]) * u64::from(size_px[1]);
         (count > 0 && count == pixels.len() as u64).then_some(Self { size_px, pixels })
     }
 
-    /// Reads the file of an input image. Alpha is that of the file, times the brightness of the mask.
+    /// Reads the file of an input image. Alpha is the file's, times the brightness of the mask.
     ///
     /// # Errors
     /// If the image or its mask cannot be decoded, or if the image has another size than its camera.
@@ -59,8 +59,8 @@ impl PhotoImage {
         self.size_px[0] as usize
     }
 
-    /// The pixel between the four around a place, of which those of no alpha have no say in the colour; beyond the
-    /// border, that of the border. Centres of pixels are at integers. All values are of 255.
+    /// The pixel interpolated from the four around a place, those of zero alpha not counting for the colour; beyond the
+    /// border, the border pixel. Centres of pixels are at integers. All values are 0 to 255.
     pub fn bilinear(&self, at: DVec2) -> [f32; 4] {
         let place = |at: f64, side: u32| {
             let last = (side - 1) as usize;

@@ -49,7 +49,7 @@ pub struct PosedImage {
     pub texture: Texture,
     /// True if alpha separates the scene from its background.
     pub is_masked: bool,
-    /// Colour gain by which its colours are multiplied, so that those of all images agree.
+    /// Colour gain by which its colours are multiplied, so that the colours of all images agree.
     pub gain: Vec3,
     /// Depth map: the distance of the shown surfaces along its axis in units of the scene, if a file provides it.
     pub depth: Option<DepthImage>,
@@ -67,14 +67,14 @@ impl PosedImages {
     /// radians.
     const USUAL_ANGLE: f64 = 0.3;
 
-    /// The longest edge of depth maps that are drawn of what points say, texels.
+    /// The longest edge of depth maps rendered from points, texels.
     // A held-out ring has 37.3, 39.3, 40.1 dB with 512, and 36.2, 34.5, 33.8 with 256: its disks are where they should
     // be.
     const DEPTH_EDGE_PX: u32 = 512;
 
     /// Maximum edge length of depth maps drawn from stereo surfaces, texels. Their outlines are a few pixels off: next
     /// to depth steps, that much of an image may show the background, and steps are as wide as that number of texels.
-    // A room and a temple have 23.09 and 21.26 dB with 512, 23.33 and 21.32 with 256, 23.38 and 21.35 with 160.
+    // *Room* and *temple* have 23.09 and 21.26 dB with 512, 23.33 and 21.32 with 256, 23.38 and 21.35 with 160.
     const DEPTH_EDGE_BY_STEREO_PX: u32 = 160;
 
     /// Creates a set of these posed images, whose numbers grow, with the median angle between each and its nearest
@@ -143,7 +143,7 @@ impl PosedImages {
         self.neighbour_angle
     }
 
-    /// The longest edge of the depth maps that are drawn of what they show, texels.
+    /// The longest edge of the depth maps rendered of the scene in them, texels.
     pub fn depth_edge_px(&self) -> u32 {
         if self.is_by_stereo {
             Self::DEPTH_EDGE_BY_STEREO_PX

@@ -23,7 +23,7 @@ impl PreparedPhoto {
     /// Reads `photo`, takes its lens off it and halves it `halvings` times.
     ///
     /// # Errors
-    /// Those of [`PhotoImage::read`].
+    /// The errors of [`PhotoImage::read`].
     pub fn read(photo: &Photo, extent: Extent, halvings: u32) -> Result<Self, PhotosError> {
         Ok(Self::of(photo, &PhotoImage::read(photo)?, extent, halvings))
     }

@@ -84,7 +84,7 @@ fn others(at: usize, cell: usize, count: usize) -> impl Iterator<Item = usize> {
     spread.filter(move |&other| other != at)
 }
 
-/// The pixel that shows a place, if the depth there is that of the place.
+/// The pixel that shows a place, if the depth there matches the place.
 fn sees(photo: &PreparedPhoto, depth: &DepthImage, place: DVec3) -> Option<DVec2> {
     let in_camera = photo.camera_from_world.transform_point3(place);
     let pixel = photo

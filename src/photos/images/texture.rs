@@ -1,29 +1,29 @@
 //! A texture with all its mip levels, and interpolation of its colours between texels and levels.
 //!
-//! *Between texels* of the finest level colours are on cubics through the texels (Catmull and Rom 1974), kept between
-//! the four around: an image that is drawn in about its own size loses little, where straight lines would blur it by as
-//! much as half a texel, and no edge has a brighter or darker fringe. Smaller levels, which nobody looks at closely,
-//! are mixed from four.
+//! *Between texels* of the finest level colours are on cubics through the texels (Catmull and Rom 1974), clamped to the
+//! four around: an image drawn at about its own size loses little, where straight lines would blur it by as much as
+//! half a texel, and no edge has a brighter or darker fringe. Smaller levels, which are not seen close up, are
+//! interpolated from four.
 
 use super::mips::mips;
 use super::photo_image::PhotoImage;
 use glam::Vec4;
 
-/// A picture with all its mip levels, finest first, down to a single texel; or without any.
+/// An image with all its mip levels, finest first, down to a single texel; or without any.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Texture {
     levels: Vec<PhotoImage>,
 }
 
 impl Texture {
-    /// The picture with its levels.
+    /// The image with its levels.
     pub fn new(picture: PhotoImage) -> Self {
         let mut levels = mips(&picture);
         levels.insert(0, picture);
         Self { levels }
     }
 
-    /// The picture alone, however far away it is: to be compared with.
+    /// The image alone, at any distance: for comparison.
     pub fn without_levels(picture: PhotoImage) -> Self {
         Self { levels: vec![picture] }
     }
@@ -33,14 +33,13 @@ impl Texture {
         &self.levels
     }
 
-    /// Width and height of the picture itself.
+    /// Width and height of the image itself.
     pub fn size_px(&self) -> [u32; 2] {
         self.levels[0].size_px()
     }
 
     /// The colour at a place, in texels of the finest level from its upper left corner, as level `lod` has it: between
-    /// texels and levels. Red, green and blue times alpha, and alpha, 0 to 1. Beyond the border it is that of the
-    /// border.
+    /// texels and levels. Red, green and blue times alpha, and alpha, 0 to 1. Beyond the border it is the border's.
     #[inline(always)]
     pub fn between_texels(&self, place: [f32; 2], lod: f32) -> [f32; 4] {
         let coarsest = self.levels.len() - 1;
@@ -69,7 +68,7 @@ impl Texture {
     }
 }
 
-/// On cubics through the 16 texels of a picture around a place, between the least and the largest of the four that are
+/// On cubics through the 16 texels of an image around a place, between the least and the largest of the four that are
 /// next to it.
 #[inline(always)]
 fn on_cubics(picture: &PhotoImage, place: [f32; 2]) -> [f32; 4] {
@@ -138,7 +137,7 @@ fn times_alpha([red, green, blue, alpha]: [u8; 4]) -> Vec4 {
     (texel * texel.w).with_w(texel.w)
 }
 
-/// Shares of four texels at a place `t` of the way from the second to the third.
+/// Shares of four texels at a place a fraction `t` from the second to the third.
 #[inline(always)]
 fn cubic_weights(t: f32) -> [f32; 4] {
     // a = −0.5, 36.94 dB (Redwood). The sharper cubics with a = −0.75 and −1 have 36.93 and 36.87.

@@ -30,7 +30,7 @@ const BORDER_STEPS: u32 = 256;
 /// Places between the axis and the border.
 const WAY_STEPS: u32 = 64;
 
-/// The pinhole that shows what `camera` shows. Its pixels are those of `camera` around the axis.
+/// The pinhole with the field of view of `camera`. Its pixels are those of `camera` around the axis.
 pub fn pinhole_of(camera: &Camera, extent: Extent) -> Camera {
     let [width, height] = camera.size_px();
     let is_pinhole = *camera.distortion() == Distortion::None;

@@ -1,4 +1,4 @@
-//! Numbers of a binary file, little-endian, and claims of counts held against what is left of it.
+//! Numbers of a binary file, little-endian, and claimed counts checked against the bytes left in it.
 
 use crate::photos::error::PhotosError;
 use std::path::Path;

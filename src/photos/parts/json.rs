@@ -19,8 +19,8 @@ pub(in crate::photos) fn read(path: &Path) -> Result<Value, PhotosError> {
     })
 }
 
-/// The text with `null` for what Python writes of numbers that are none (`NaN`, `-Infinity`), which JSON does not have;
-/// `None` where it has none of these.
+/// The text with `null` for Python's non-finite numbers (`NaN`, `-Infinity`), which JSON does not have; `None` if it
+/// contains none of these.
 fn without_non_numbers(text: &[u8]) -> Option<Vec<u8>> {
     /// Longer ones first.
     const NON_NUMBERS: [&[u8]; 4] = [b"-Infinity", b"Infinity", b"-NaN", b"NaN"];
@@ -91,7 +91,7 @@ pub(in crate::photos) fn key_at(object: &Value, key: &str) -> Option<String> {
     }
 }
 
-/// The elements of the array `key`; none where there is no such array.
+/// The elements of the array `key`; none without such an array.
 pub(in crate::photos) fn array_at<'a>(object: &'a Value, key: &str) -> &'a [Value] {
     object.get(key).and_then(Value::as_array).map_or(&[], Vec::as_slice)
 }

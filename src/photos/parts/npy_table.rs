@@ -1,4 +1,4 @@
-//! A table of numbers as numpy writes it: what `poses_bounds.npy` and depths in `.npy` are.
+//! A table of numbers as numpy writes it, as in `poses_bounds.npy` and depths in `.npy`.
 //!
 //! Rows and columns of numbers of any type, in the order of C or of Fortran. (The header: `binary`. Clouds in NPY
 //! files: `io/formats/npy`, which comes after this module.)
@@ -16,7 +16,7 @@ pub(in crate::photos) struct NpyTable {
 }
 
 impl NpyTable {
-    /// The table in `bytes`, which are those of the file `path`. Dimensions of one entry behind rows and columns do not
+    /// The table in `bytes`, the contents of the file `path`. Dimensions of one entry after rows and columns do not
     /// count.
     pub(in crate::photos) fn parse(path: &Path, bytes: &[u8]) -> Result<Self, PhotosError> {
         let wrong = |problem: String| PhotosError::invalid(path, "the header", problem);
@@ -54,7 +54,7 @@ impl NpyTable {
     }
 }
 
-/// The dimensions without those of one entry behind the second.
+/// The dimensions without single-entry ones after the second.
 fn without_ones(shape: &[usize]) -> &[usize] {
     let ones = shape.iter().skip(2).rev().take_while(|&&length| length == 1).count();
     &shape[..shape.len() - ones]

@@ -1,8 +1,8 @@
 //! Words of a text file, each with the line that it stands in.
 //!
 //! Formats of reconstructions are numbers with white space between them. Some mean lines by it and some do not, so one
-//! reader offers both: the next word wherever it is, and the rest of a line. Counts are never allocated for: who reads
-//! as many words as a file claims comes to its end first, and says so.
+//! reader offers both: the next word wherever it is, and the rest of a line. Nothing is allocated from claimed counts:
+//! reading the claimed number of words reaches the end of the file first, which is reported.
 
 use crate::photos::error::PhotosError;
 use std::path::Path;
@@ -20,14 +20,14 @@ pub(in crate::photos) struct Text<'a> {
 const MAX_SHOWN: usize = 40;
 
 impl<'a> Text<'a> {
-    /// `text`, which is that of the file `path`.
+    /// `text`, the contents of the file `path`.
     pub(in crate::photos) fn new(path: &'a Path, text: &'a str) -> Self {
         // The byte order mark that some editors write.
         let rest = text.strip_prefix('\u{feff}').unwrap_or(text);
         Self { path, rest, line: 1 }
     }
 
-    /// The next word, on whichever line; `what` says what it is.
+    /// The next word, on whichever line; `what` names it.
     pub(in crate::photos) fn word(&mut self, what: &str) -> Result<&'a str, PhotosError> {
         self.skip_space();
         if self.rest.is_empty() {
@@ -46,8 +46,8 @@ impl<'a> Text<'a> {
             .map_err(|_| self.error(format!("expected {what}, found {}", quoted(word))))
     }
 
-    /// The next words as numbers, be they finite or not: what is wrong with one of many things costs that one, which
-    /// whoever takes it has to see.
+    /// The next words as numbers, finite or not: a fault in one of many items costs only that item, and the caller has
+    /// to check for it.
     pub(in crate::photos) fn numbers<const N: usize>(&mut self, what: &str) -> Result<[f64; N], PhotosError> {
         let mut numbers = [0.0_f64; N];
         for number in &mut numbers {

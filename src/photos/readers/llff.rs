@@ -3,9 +3,8 @@
 //! Its README: a row of 17 numbers for each image. The first 15 are a matrix of 3 × 5 by rows: three columns are the
 //! axes of the camera in the world, *down, right, backward*; the fourth is its position; the fifth is height, width and
 //! focal length in pixels. Two numbers follow, the depths between which the scene lies: those that stereo tries. Rows
-//! are in the order of the names of the images, which the file does not hold: they are those of the first of the usual
-//! folders that has the same number of images as there are rows, `images` before copies that were made smaller. The
-//! principal point is the centre of the image.
+//! are in the order of the names of the images, which the file does not hold: they come from the first of the usual
+//! folders with one image per row, `images` before downscaled copies. The principal point is the centre of the image.
 //!
 //! A multi-view video (Li et al. 2022, *Neural 3D Video Synthesis*) has a row for each camera, in the order of the
 //! names of their folders.
@@ -105,7 +104,7 @@ fn names(path: &Path, folder: &Path, count: usize) -> Result<Vec<String>, Photos
     Err(PhotosError::invalid(path, "the table", problem))
 }
 
-/// Names of what is in a folder, in the order of their bytes, as Python sorts them.
+/// Names of the entries of a folder, in the order of their bytes, as Python sorts them.
 fn names_in(folder: &Path, is_one: impl Fn(&Path) -> bool) -> Vec<String> {
     let Ok(entries) = fs::read_dir(folder) else {
         return Vec::new();

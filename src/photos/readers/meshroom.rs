@@ -28,10 +28,10 @@ use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The folder of a project that holds what its nodes made.
+/// The folder of a project that holds the output of its nodes.
 pub(in crate::photos) const CACHE: &str = "MeshroomCache";
 
-/// Width of a sensor that the file does not tell, in millimetres, as AliceVision takes it.
+/// Width of a sensor that the file does not give, in millimetres, as AliceVision takes it.
 const USUAL_SENSOR_MM: f64 = 36.0;
 
 /// Advice on lenses that are not known.
@@ -160,7 +160,7 @@ fn read(path: &Path) -> Result<Drafts, PhotosError> {
     Ok(drafts)
 }
 
-/// The folder of the scene and, where that is in the cache of a project, the folder of the project.
+/// The folder of the scene and, if it is in the cache of a project, the project folder.
 fn folders(path: &Path) -> Vec<PathBuf> {
     let own = path.parent().unwrap_or(Path::new(""));
     let cache = own
@@ -222,7 +222,7 @@ fn lens(intrinsic: &Value, version: [f64; 3]) -> Result<Lens, String> {
         principal_px: if is_from_corner {
             principal
         } else {
-            // Half of the size is half a pixel right of the centre: this follows what AliceVision does, not the word
+            // Half of the size is half a pixel right of the centre: this follows AliceVision's behaviour, not the word
             // *centre*.
             0.5 * size + principal
         },

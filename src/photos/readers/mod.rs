@@ -1,9 +1,9 @@
-//! Readers of image sets, a row each: what a folder or a file holds, by the names that programs give to their files.
+//! Readers of image sets, one row each: the contents of a folder or a file, by programs' naming conventions.
 //!
-//! How it works: every folder that somebody opens is asked, so the usual names are looked up one by one, and the folder
-//! is listed once for names that vary. Of a folder the first row counts that finds its files: formats with points come
-//! first, as many folders hold a copy of the same cameras without. Of a file the row counts that is most certain of it,
-//! and the first of equals.
+//! How it works: every opened folder is checked, so the usual names are looked up one by one, and the folder is listed
+//! once for names that vary. For a folder, the first row that finds its files counts: formats with points come first,
+//! as many folders hold a copy of the same cameras without. For a file, the most certain row counts, and the first of
+//! equals.
 //!
 //! To add a reader: its file with a `READER`, `mod` and a row here.
 
@@ -76,10 +76,10 @@ impl FoundSet {
     }
 }
 
-/// The reconstruction in a folder, or the one that a file is of; `None` where there is none.
+/// The reconstruction in a folder, or the one that a file is of; `None` if there is none.
 ///
 /// # Errors
-/// Where a file that has the name of one cannot be read.
+/// An error if a file with the name of one cannot be read.
 pub fn find(path: &Path) -> Result<Option<FoundSet>, PhotosError> {
     if path.is_dir() {
         Ok(in_folder(path))

@@ -24,7 +24,7 @@ const FOLDERS: &[&str] = &["cams", "cams_1", "cameras", ""];
 /// Entries of a folder that are looked at.
 const MAX_ENTRIES: usize = 100_000;
 
-/// Steps between the nearest and the farthest depth, where a file does not say how many.
+/// Steps between the nearest and the farthest depth, if a file does not give their number.
 const USUAL_STEPS: f64 = 192.0;
 
 /// The folder of the cameras of a scene.

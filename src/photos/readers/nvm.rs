@@ -170,7 +170,7 @@ fn camera(text: &mut Text<'_>, fixed: Option<Fixed>) -> Result<Draft, PhotosErro
 /// by 13.
 const INVERSE: [[f64; 3]; 2] = [[113.0, 243.0, 85.0], [126.0, 330.0, 193.0]];
 
-/// The lens of which measurements are undistorted by 1 + `radial`·|m|².
+/// The lens whose measurements are undistorted by 1 + `radial`·|m|².
 fn inverse_radial(radial: f64) -> Distortion {
     if radial == 0.0 {
         return Distortion::None;
@@ -179,7 +179,7 @@ fn inverse_radial(radial: f64) -> Distortion {
     let [numerator, denominator] = INVERSE.map(|terms| [0, 1, 2].map(|power| terms[power] * powers[power]));
     let [k1, k2, k3] = numerator;
     let [k4, k5, k6] = denominator;
-    // A separate model for this lens would have needed a second set of Newton steps.
+    // A separate model for this lens would have needed another set of Newton steps.
     Distortion::Rational {
         k: [k1, k2, k3, k4, k5, k6],
         p: [0.0; 2],

@@ -6,8 +6,8 @@
 //! counted from its centre: the centre of the first pixel is at (½ − w/2) / max(w, h). `perspective` has one focal
 //! length and k₁ k₂, `brown` two with k₁ k₂ k₃ p₁ p₂ (as OpenCV), `fisheye` a polynomial of the angle.
 //!
-//! Which shots see a point is in `tracks.csv` next to it: a shot, the number of the point, that of its feature, x and
-//! y, and columns that differ by version.
+//! The shots that see a point are in `tracks.csv` next to it: a shot, the number of the point, the number of its
+//! feature, x and y, and columns that differ by version.
 
 use super::probe::File;
 use super::reader::{Claim, Reader};
@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 /// The name of the file.
 const FILE: &str = "reconstruction.json";
 
-/// The file of what sees which point.
+/// The file of the shots that see each point.
 const TRACKS: &str = "tracks.csv";
 
 /// Working folder of an `OpenDroneMap` project; the input images are next to it.
@@ -90,7 +90,7 @@ fn read(path: &Path) -> Result<Drafts, PhotosError> {
     Ok(drafts)
 }
 
-/// The folder of the file and, in a project of `OpenDroneMap`, that of the project.
+/// The folder of the file and, in a project of `OpenDroneMap`, the project folder.
 fn folders(path: &Path) -> Vec<PathBuf> {
     let own = path.parent().unwrap_or(Path::new(""));
     let is_odm = own.file_name().is_some_and(|name| name == ODM_FOLDER);
@@ -163,7 +163,7 @@ fn distortion(camera: &Value) -> Result<Distortion, String> {
     }
 }
 
-/// The observations of each point by its number: none where there is no such file.
+/// The observations of each point by its number: none without such a file.
 fn tracks(path: &Path, photos: &[Draft], notes: &mut Vec<String>) -> HashMap<String, Vec<Observation>> {
     let mut tracks: HashMap<String, Vec<Observation>> = HashMap::new();
     if !path.is_file() {

@@ -1,4 +1,4 @@
-//! Looks at what somebody opened, for readers that ask whether it is theirs.
+//! Looks at an opened path, for readers that check whether it is theirs.
 
 use crate::photos::error::PhotosError;
 use crate::regular_file;
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// Entries of a folder that are listed: a folder of more is one of frames.
 const MAX_ENTRIES: usize = 10_000;
 
-/// Bytes of a file that tell what it is.
+/// Bytes of a file that identify its format.
 const HEAD: u64 = 1 << 16;
 
 /// A folder, listed once and only if a reader looks for names that vary.

@@ -29,9 +29,9 @@ pub(super) struct Claim {
 /// Confidence of a reader in having recognised a file, in ascending order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Confidence {
-    /// By words that files of others may have as well.
+    /// Recognised by words that other files may have as well.
     Likely,
-    /// By its name, or by words of its own.
+    /// Recognised by its name, or by words of its own.
     Certain,
 }
 

@@ -1,10 +1,10 @@
 //! `transforms.json` of instant-ngp, nerfstudio and the synthetic sets of NeRF.
 //!
 //! *How it works.* Each frame has a camera-to-world matrix, whose camera has x right, y up and z backward (OpenGL).
-//! Intrinsics (`fl_x fl_y cx cy w h`, or a field of view: `camera_angle_x` in radians, `x_fov` in degrees, or those of
-//! y) are those of the file unless a frame has its own. The corner of the image is at 0, so the centre of the first
-//! pixel is at ½: both programs cast the ray of a pixel through it. Names may lack their extension. A frame without its
-//! file is skipped with a note. There are no points, but nerfstudio may name a point cloud file (`ply_file_path`).
+//! Intrinsics (`fl_x fl_y cx cy w h`, or a field of view: `camera_angle_x` in radians, `x_fov` in degrees, or the same
+//! for y) are the file's unless a frame has its own. The corner of the image is at 0, so the centre of the first pixel
+//! is at ½: both programs cast the ray of a pixel through it. Names may lack their extension. A frame without its file
+//! is skipped with a note. There are no points, but nerfstudio may name a point cloud file (`ply_file_path`).
 
 use super::reader::{Claim, Reader};
 use crate::photos::depth_file::{DepthFile, DepthKind};
@@ -99,7 +99,7 @@ fn draft(file: &Value, frame: &Value, folder: &Path) -> Draft {
 
 /// The axes of the camera (x right, y down, z forward) as columns, of length 1, and its centre.
 fn pose(frame: &Value) -> Option<(DMat3, DVec3)> {
-    // `applied_transform` is not applied: it maps from COLMAP's world to that of the file, in which points and cameras
+    // `applied_transform` is not applied: it maps from COLMAP's world to the file's, in which points and cameras
     // already are.
     let rows = array_at(frame, "transform_matrix");
     let row = |row: usize| {

@@ -1,8 +1,7 @@
-//! Unsupported image folders: a folder that holds images but no set that can be read is reported by name, with what to
-//! do about it.
+//! Unsupported image folders: a folder that holds images but no set that can be read is reported by name, with advice.
 //!
 //! To a point cloud reader, a folder of images without points looks like an empty one, or, if it also contains a list
-//! file, like a damaged cloud. Neither error states what is missing.
+//! file, like a damaged cloud. Neither error states the missing data.
 
 use super::meshroom;
 use crate::photos::error::PhotosError;
@@ -116,7 +115,7 @@ const TABLE: &[Unread] = &[
     },
 ];
 
-/// Returns true if a file is a sidecar of an image set, whatever its extension suggests.
+/// Returns true if a file is a sidecar of an image set, even if its extension suggests otherwise.
 pub fn is_outside_photos(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     SIDECAR.contains(&name.as_str()) || REMARKS.iter().any(|remark| name.starts_with(remark))

@@ -14,7 +14,7 @@ pub(in crate::photos) struct Lens {
     /// The size of the image that was calibrated, where the format holds it.
     pub(in crate::photos) size_px: Option<[u32; 2]>,
     pub(in crate::photos) focal: Focal,
-    /// From where pixels are counted: the principal point, and those of tracks.
+    /// The origin of pixel coordinates: of the principal point, and of tracks.
     pub(in crate::photos) origin: Origin,
     pub(in crate::photos) principal_px: DVec2,
     pub(in crate::photos) distortion: Distortion,
@@ -26,7 +26,7 @@ pub(in crate::photos) enum Focal {
     Pixels(DVec2),
     /// The angle that the width of the image takes, in radians.
     WidthAngle(f64),
-    /// That of its height.
+    /// The focal length of its height.
     HeightAngle(f64),
 }
 
@@ -58,7 +58,7 @@ impl Lens {
         }
     }
 
-    /// The camera of an image of `image_px` pixels, or why there is none.
+    /// The camera of an image of `image_px` pixels, or the reason why there is none.
     pub(in crate::photos) fn camera(&self, image_px: [u32; 2]) -> Result<Camera, String> {
         let size_px = self.size_px.unwrap_or(image_px);
         let focal_px = match self.focal {

@@ -17,14 +17,14 @@ pub struct Photo {
     pub path: PathBuf,
     /// The camera, of the size of the file's image.
     pub camera: Camera,
-    /// Coordinates of the camera from those of the world: a turn and a shift, in the unit of the world.
+    /// Coordinates of the camera from those of the world: a rotation and a translation, in the unit of the world.
     pub camera_from_world: DAffine3,
-    /// An image of what belongs to the object (bright) and what does not (dark).
+    /// A mask image: pixels of the object are bright, all others dark.
     pub mask: Option<PathBuf>,
     /// Depth map information, if any.
     pub depth: Option<DepthFile>,
-    /// Depths between which all that it shows lies, in the unit of the world, where the format says that: the nearer
-    /// is above 0, the other one farther.
+    /// Depths between which all that it shows lies, in the unit of the world, if the format has it: the nearer is above
+    /// 0, the other one farther.
     pub depth_range: Option<[f64; 2]>,
 }
 
@@ -51,7 +51,7 @@ impl Photo {
             .pixel(self.camera_from_world.transform_point3(point_in_world))
     }
 
-    /// The pixel that shows a point of the world, if the image reaches as far. Nothing is known of what is in between.
+    /// The pixel that shows a point of the world, if it is inside the image. Occlusion is not checked.
     pub fn pixel(&self, point_in_world: DVec3) -> Option<DVec2> {
         self.project(point_in_world)
             .filter(|&pixel| self.camera.contains(pixel))

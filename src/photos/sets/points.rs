@@ -40,7 +40,8 @@ impl SparsePoints {
         self.track_ends.push(self.observations.len());
     }
 
-    /// Gives each point a normal of length 1 in the world. Refused, by `false`, where they are not as many as points.
+    /// Gives each point a normal of length 1 in the world. Refused, by `false`, if their number differs from that of
+    /// the points.
     #[must_use]
     pub fn set_normals(&mut self, normals: Vec<Vec3>) -> bool {
         let is_one_each = normals.len() == self.len();
@@ -70,12 +71,12 @@ impl SparsePoints {
         &self.positions
     }
 
-    /// Red, green and blue, as many as points.
+    /// Red, green and blue, one per point.
     pub fn colors(&self) -> &[[u8; 3]] {
         &self.colors
     }
 
-    /// Normals of length 1 in the world, as many as points, where they are known.
+    /// Normals of length 1 in the world, one per point, where they are known.
     pub fn normals(&self) -> Option<&[Vec3]> {
         (!self.normals.is_empty()).then_some(&self.normals)
     }

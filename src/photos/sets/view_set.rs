@@ -1,8 +1,8 @@
 //! Calibrated images of one scene with its sparse points, and measurements on them.
 //!
 //! *Angles between views.* Views are weighted by the angle between two directions from a point of the surface (Yang et
-//! al. 2006 , section 3.2). Here the point is the centre of what an image sees: the median of the points in its tracks;
-//! if a format has no tracks, the point closest to the optical axes of all cameras.
+//! al. 2006, section 3.2). Here the point is the centre of the scene in an image: the median of the points in its
+//! tracks; if a format has no tracks, the point closest to the optical axes of all cameras.
 
 use super::photo::Photo;
 use super::points::SparsePoints;
@@ -22,7 +22,7 @@ pub struct ViewSet {
     /// Dense point cloud that a dense reconstruction stage created from the images: it is shown instead of the sparse
     /// points.
     pub dense_file: Option<PathBuf>,
-    /// Notes on what was skipped or assumed, one sentence each.
+    /// Notes on skipped and assumed data, one sentence each.
     pub notes: Vec<String>,
 }
 
@@ -44,15 +44,15 @@ pub struct ReprojectionError {
 pub struct Neighbour {
     /// Index of the image.
     pub photo: usize,
-    /// Angle between the two cameras as seen from the centre of what the first one sees, in radians.
+    /// Angle between the two cameras as seen from the centre of the scene in the first one, in radians.
     pub angle: f64,
 }
 
 /// Maximum number of track points used to compute the centre of a view: using more moves it by less than a pixel.
 const MAX_POINTS_OF_A_CENTER: usize = 4096;
 
-/// Tolerance for parallel optical axes, at which a single one of 2^53 steps would matter: axes as parallel as that have
-/// no intersection.
+/// Tolerance for parallel optical axes, at which a single one of 2^53 steps would matter: axes this parallel have no
+/// intersection.
 const PARALLEL: f64 = 1e-6;
 
 impl ViewSet {
@@ -93,7 +93,7 @@ impl ViewSet {
         center.map_or_else(Vec::new, |center| self.neighbours_around(center, photo, count))
     }
 
-    /// Variant of [`Self::neighbours`] for a known centre of what `photo` sees ([`Self::centers`]).
+    /// Variant of [`Self::neighbours`] for a known centre of the scene in `photo` ([`Self::centers`]).
     pub fn neighbours_around(&self, center: DVec3, photo: usize, count: usize) -> Vec<Neighbour> {
         let mut found = self.seen_from(center, photo);
         let nearer = |a: &Neighbour, b: &Neighbour| a.angle.total_cmp(&b.angle).then(a.photo.cmp(&b.photo));
@@ -206,7 +206,7 @@ fn median_place(points: &[DVec3]) -> Option<DVec3> {
     Some(DVec3::new(of(0)?, of(1)?, of(2)?))
 }
 
-/// In radians; exact for small angles too, and 0 where one has no direction.
+/// In radians; exact for small angles too, and 0 if one has no direction.
 fn angle_between(a: DVec3, b: DVec3) -> f64 {
     a.cross(b).length().atan2(a.dot(b))
 }

@@ -1,8 +1,8 @@
 //! Colours, and every other attribute that is a few integers per node: a predicting transform, lossless or within a
 //! bound.
 //!
-//! How it works: the value of a node is that of its parent, the mean of its children, corrected by the adjacent nodes
-//! that are known already. For the last child hardly anything is left to code, as the mean and the other children
+//! How it works: the value of a node is predicted by its parent's, the mean of the siblings, corrected by the adjacent
+//! nodes known already. For the last child hardly anything is left to code, as the mean and the other children
 //! determine it; so the levels above the last cost little of their own. The prediction residual is divided by the step
 //! and rounded: with a step of 2 e + 1 no value is wrong by more than e, on any level, since everything is predicted
 //! from values as a decoder has them. Later channels of a node (green, red, blue) are predicted with the residual of
@@ -10,19 +10,19 @@
 //!
 //! What remains is coded by models that are chosen by how well parent and neighbours agree.
 //!
-//! What bounds it: the next node waits for this one, and a channel for the one before. So what does not wait is
-//! computed ahead, and there is no unpredictable branch, such as on which nodes are adjacent. Frames that stand alone
-//! have no such chain ([`crate::reel::parent_level`]).
+//! What bounds it: the next node waits for this one, and a channel for the one before. So everything independent is
+//! computed ahead, and there is no unpredictable branch, such as on which nodes are adjacent. Independent frames have
+//! no such chain ([`crate::reel::parent_level`]).
 
 use super::value_coder::ValueCoder;
 use crate::reel::coder::{BitCoder, divided};
 use crate::reel::tree::{Known, NONE};
 use std::ops::RangeInclusive;
 
-/// Classes of how well what a value is predicted from agrees.
+/// Classes of the agreement of the values that one is predicted from.
 const AGREEMENTS: usize = 8;
 
-/// Classes of what the channel before was off by.
+/// Classes of the previous channel's error.
 const BEFORE: usize = 4;
 
 /// Contexts of a channel: with adjacent nodes; without; and of a last child.
@@ -30,12 +30,12 @@ const CONTEXTS: usize = (AGREEMENTS + 2) * BEFORE;
 const ALONE: usize = AGREEMENTS;
 const LAST: usize = AGREEMENTS + 1;
 
-/// Contexts of values of so many channels.
+/// Contexts of values of this number of channels.
 pub(in crate::reel) const fn channel_contexts(channels: usize) -> usize {
     channels * CONTEXTS
 }
 
-/// Steps that a value is off by, at most, whatever damaged bytes say.
+/// Maximum error of a value in steps, enforced for damaged bytes.
 const MAX_STEPS: i32 = 1 << 17;
 
 /// A whole number that a node has: a value, or how it changed since the frame before.
@@ -70,8 +70,8 @@ impl Channel for i32 {
     }
 }
 
-/// Codes the values of a level, and leaves them as a decoder has them. Those of the level above are `parents`, as they
-/// are decoded. Values are within `range`; none is wrong by more than half of `step`, which is odd.
+/// Codes the values of a level, and leaves them as a decoder has them. The decoded values of the level above are
+/// `parents`. Values are within `range`; none is wrong by more than half of `step`, which is odd.
 #[inline(always)]
 pub(in crate::reel) fn code_channels<C: BitCoder, T: Channel, const N: usize>(
     coder: &mut ValueCoder<'_, C>,
@@ -153,7 +153,7 @@ fn neighbor_of<T: Channel, const N: usize>(known: &Known, values: &[[T; N]]) -> 
     (sums, count)
 }
 
-/// The number of bits of a number that is not negative, as one of so many classes.
+/// The number of bits of a non-negative number, as one of a number of classes.
 #[inline(always)]
 fn class_of(number: i32, classes: usize) -> usize {
     (32 - number.leading_zeros() as usize).min(classes - 1)

@@ -3,8 +3,8 @@
 //! How it works: the index of a direction ([`quantise_direction`](crate::cloud::quantise_direction)) is a path from
 //! triangle to triangle. Following it with integer corners ends at a cell (u, v) of the face's grid of 2ˡ rows, and in
 //! its lower or upper half. The eight faces are then unfolded to a square as octahedral maps are: those above z = 0 in
-//! the centre, the others folded outwards over its corners. Centroids of triangles are kept in thirds of a cell, so
-//! that all of it stays in integers.
+//! the centre, the others folded outwards over its corners. Centroids of triangles are stored in thirds of a cell, so
+//! that everything stays in integers.
 
 use crate::cloud::{largest_normal_error, quantised_normals};
 use std::sync::OnceLock;
@@ -28,7 +28,7 @@ pub(in crate::reel) struct NormalGrid {
 }
 
 impl NormalGrid {
-    /// That of indices of 13, 15 or 17 bits.
+    /// The grid of indices of 13, 15 or 17 bits.
     pub(in crate::reel) fn of(bits: u8) -> &'static Self {
         static GRIDS: [OnceLock<NormalGrid>; 3] = [const { OnceLock::new() }; 3];
         let which = usize::from(bits.clamp(13, 17) - 13) / 2;
@@ -58,8 +58,8 @@ impl NormalGrid {
         grid
     }
 
-    /// The number of the triangle at a place: half cells along the first axis, four times those of half the square, for
-    /// each cell along the second one.
+    /// The number of the triangle at a place: half cells along the first axis, four times those of half of the square,
+    /// for each cell along the second one.
     pub(in crate::reel) fn cell_of(&self, [x, y]: [i16; 2]) -> usize {
         // Relative to the corner of the square: unsigned numbers are divided faster.
         let [x, y] = [x, y].map(|along| (i32::from(along) + 3 * self.half) as u32);

@@ -21,7 +21,7 @@ pub(in crate::reel) const NORMAL_CONTEXTS: usize = HALVES + 3 * 3 * 3 * 2;
 struct Foreseen {
     /// [`MISSING`] where nothing is.
     place: [i16; 2],
-    /// Class of how far apart is what it was foreseen by.
+    /// Class of the spread of the normals it was predicted from.
     spread: usize,
     /// Likelihood class of a missing normal: 0 if nothing is predicted, else 1 or 2.
     presence: usize,
@@ -39,9 +39,9 @@ pub(in crate::reel) struct Turned<'a> {
     pub(in crate::reel) directions: &'a [Vec3],
 }
 
-/// Codes the normals of a level, each a place of `grid`; or [`MISSING`] if `may_miss`. Each is foreseen to turn as
-/// those around it did. What is foreseen stands while it is as near the normal as a rounded one may be: who turns by
-/// less than can be told has nothing to tell.
+/// Codes the normals of a level, each a place of `grid`; or [`MISSING`] if `may_miss`. Each is predicted to turn as
+/// those around it did. The prediction stands while it is as near the normal as a rounded one may be: a turn below the
+/// precision is not coded.
 pub(in crate::reel) fn code_turned_normals<C: BitCoder>(
     coder: &mut ValueCoder<'_, C>,
     grid: &NormalGrid,

@@ -15,8 +15,8 @@ pub(in crate::reel) fn offset_edges(code: u8, bits: u8) -> f64 {
     f64::from(offset_of_code(code, bits)) / 1024.0
 }
 
-/// Returns the displacement from the centre of a cell for an offset along a normal, in parts of the cell of which 2ᵇⁱᵗˢ
-/// are its edge.
+/// Returns the displacement from the centre of a cell for an offset along a normal, in parts of the cell, 2ᵇⁱᵗˢ to its
+/// edge.
 pub(in crate::reel) fn offset_parts(
     grid: &NormalGrid,
     normal: [i16; 2],

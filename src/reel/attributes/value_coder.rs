@@ -1,4 +1,4 @@
-//! Numbers that are not predicted, bit by bit, each in the context that its prediction says.
+//! Numbers that are not predicted, bit by bit, each in the context of its prediction.
 
 use crate::reel::coder::{BitCoder, BitModel, MagnitudeModel, RestModels};
 
@@ -11,7 +11,7 @@ pub(in crate::reel) struct ValueModels {
 }
 
 impl ValueModels {
-    /// For so many contexts.
+    /// For this number of contexts.
     pub(in crate::reel) fn new(contexts: usize) -> Self {
         Self {
             numbers: vec![MagnitudeModel::default(); contexts],
@@ -21,10 +21,10 @@ impl ValueModels {
     }
 }
 
-/// A coder of bits, and the models that see what it codes.
+/// A coder of bits, and the models of its values.
 #[derive(Debug)]
 pub(in crate::reel) struct ValueCoder<'a, C> {
-    /// Not behind a reference: what it keeps stays in registers.
+    /// Held by value: its state stays in registers.
     pub(in crate::reel) bits: C,
     pub(in crate::reel) models: &'a mut ValueModels,
 }

@@ -2,10 +2,10 @@
 //!
 //! How it works: a state is the probability that the bit is set, 22 bits, above the number of bits seen, 10 bits. A new
 //! bit moves the probability by 1 part in 1.5 more than were seen, so that the first bits count much and a state
-//! settles to the mean of all; after [`MAX_SEEN`] it forgets the oldest at a fixed rate. The scheme is that of the
-//! state maps of Mahoney's lpaq (2007). Integers only: every machine computes the same.
+//! settles to the mean of all; after [`MAX_SEEN`] it forgets the oldest at a fixed rate. The scheme follows the state
+//! maps of Mahoney's lpaq (2007). Integers only: every machine computes the same.
 
-/// After so many bits a state follows at a fixed rate.
+/// Number of bits after which a state follows at a fixed rate.
 const MAX_SEEN: u32 = 254;
 
 /// Bits of the number of bits seen.
@@ -51,7 +51,7 @@ impl BitModel {
         self.0 >> 16
     }
 
-    /// Takes notice of a bit.
+    /// Updates the model with a bit.
     #[inline(always)]
     pub(in crate::reel) fn see(&mut self, bit: bool) {
         let seen = self.0 & ((1 << SEEN_BITS) - 1);

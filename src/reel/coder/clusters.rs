@@ -6,7 +6,7 @@
 
 use super::frequencies::Counts;
 
-/// Most tables of a stream: all of them together stay in the cache of a core.
+/// Maximum number of tables of a stream: all of them together stay in the cache of a core.
 pub(in crate::reel) const MAX_TABLES: usize = 12;
 
 /// Contexts that share a table.
@@ -17,7 +17,7 @@ struct Cluster {
     cost: u64,
 }
 
-/// For each context the number of its table, and what each table is of. Contexts that never came have the first.
+/// For each context the number of its table, and the contents of each table. Contexts that never came have the first.
 pub(in crate::reel) fn clustered(contexts: &[Counts]) -> (Vec<u8>, Vec<Counts>) {
     let mut clusters: Vec<Cluster> = contexts
         .iter()

@@ -16,7 +16,7 @@ pub(in crate::reel) const SCALE: u32 = 1 << SCALE_BITS;
 /// No symbol is more frequent, so that each costs something: bytes bound the number of symbols.
 const MAX_FREQUENT: u32 = SCALE - 8;
 
-/// Bits of a logarithm behind the point.
+/// Fractional bits of a logarithm.
 pub(in crate::reel) const LOG_BITS: u32 = 16;
 
 /// Approximate size in a file of a symbol entry of a table, and of a table in addition to its symbols, in 2⁻¹⁶ bits.

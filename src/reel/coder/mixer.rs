@@ -77,7 +77,7 @@ pub(in crate::reel) struct Mixer<const N: usize> {
 }
 
 impl<const N: usize> Mixer<N> {
-    /// Weights for so many contexts.
+    /// Weights for this number of contexts.
     pub(in crate::reel) fn new(contexts: usize) -> Self {
         let even = 11 * ONE / (10 * N as i32);
         Self {

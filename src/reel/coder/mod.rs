@@ -1,9 +1,9 @@
-//! Entropy coding: adaptive binary range coding: bits of which each has its own running probability.
+//! Entropy coding: adaptive binary range coding: each bit has its own running probability.
 //!
 //! Encoder and decoder are two types of one trait, [`BitCoder`], so the modelling is written once: a function that
 //! codes a level takes the bits that are there and returns the bits that a decoder will see.
 //!
-//! In addition, static coding of symbols, [`SymbolCoder`], of which encoder and decoder are two types as well.
+//! In addition, static coding of symbols, [`SymbolCoder`], with two types for encoder and decoder as well.
 
 mod bit_model;
 mod clusters;

@@ -6,8 +6,8 @@ use super::range::BitCoder;
 /// Largest number that is coded in unary.
 const UNARY: usize = 14;
 
-/// Models of a number from 0 on: so many set bits as it has ones up to [`UNARY`], each with a model of its own, then
-/// [`RestModels`]. A line of a processor's cache, as there may be hundreds of them.
+/// Models of a number from 0 on: one set bit per unit up to [`UNARY`], each with a model of its own, then
+/// [`RestModels`]. One CPU cache line, as there may be hundreds of them.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[repr(align(64))]
 pub(in crate::reel) struct MagnitudeModel {
@@ -15,8 +15,8 @@ pub(in crate::reel) struct MagnitudeModel {
     sign: BitModel,
 }
 
-/// Models of the remainder beyond the unary part: an Elias-gamma code (Elias 1975), of which the length and the highest
-/// bit below it have models. Few numbers come here, so many models of magnitudes share these.
+/// Models of the remainder beyond the unary part: an Elias-gamma code (Elias 1975), whose length and the highest bit
+/// below it have models. Few numbers come here, so many models of magnitudes share these.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reel) struct RestModels {
     length: [BitModel; 64],

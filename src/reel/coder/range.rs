@@ -1,8 +1,9 @@
 //! A binary range coder with a state of 64 bits.
 //!
-//! How it works: the bits so far are an interval of numbers; each bit takes the part of it that its probability says
-//! (Martin 1979). The lower end is kept in 64 bits, of which the upper 32 are written whenever the interval is shorter
-//! than 2³²; a carry is added to the words written. The decoder keeps how far the number read is above the lower end.
+//! How it works: the bits so far are an interval of numbers; each bit takes the part of it given by its probability
+//! (Martin 1979). The lower end is held in 64 bits, the upper 32 of which are written whenever the interval is shorter
+//! than 2³²; a carry is added to the words written. The decoder holds the distance of the number read above the lower
+//! end.
 
 use super::bit_model::{BitModel, PROBABILITY_BITS};
 
@@ -22,7 +23,7 @@ pub(in crate::reel) trait BitCoder: Default {
     /// Codes a bit by its model, which sees it.
     #[inline(always)]
     // One set of functions for both directions, so that encoder and decoder always agree: they continue with the
-    // returned bit, which is what a decoder sees.
+    // returned bit, the one that a decoder sees.
     fn bit(&mut self, model: &mut BitModel, bit: bool) -> bool {
         let bit = self.bit_of(model.probability(), bit);
         model.see(bit);

@@ -1,4 +1,4 @@
-//! Bits of which each is as likely set as not, the lowest first: they stand for themselves.
+//! Bits that are equally likely 0 or 1, the lowest first: stored verbatim.
 
 /// Bytes that are looked at for them, wherever in the first one they begin.
 const WINDOW: usize = 8;
@@ -7,7 +7,7 @@ const WINDOW: usize = 8;
 #[derive(Debug, Default)]
 pub(super) struct RawWriter {
     bytes: Vec<u8>,
-    /// Those that are no whole byte yet.
+    /// Bits that do not fill a byte yet.
     last: u64,
     bits: u32,
 }

@@ -21,7 +21,7 @@ const fn reciprocals() -> [i64; MAX + 1] {
 /// answer may be off.
 #[inline(always)]
 pub(in crate::reel) fn divided(dividend: i32, divisor: i32) -> i32 {
-    // Half a unit above the dividend there is no whole quotient, so rounding does no harm.
+    // Half a unit above the dividend no quotient is whole, so rounding does no harm.
     (((2 * i64::from(dividend) + 1) * RECIPROCALS[divisor as usize]) >> (BITS + 1)) as i32
 }
 

@@ -1,13 +1,13 @@
 //! Static coding of symbols: frequency tables up front, then as little work per symbol as possible.
 //!
 //! How it works: asymmetric numeral systems (ANS) (Duda 2013) with ranges: the state of the coder is a number; a symbol
-//! of frequency f of 4096 makes it 4096 / f times as large, and what is beyond 32 bits is written, 16 bits at a time.
-//! One look-up by the lowest 12 bits of the state yields the symbol and the previous state. Several states take turns
-//! (Giesen 2014), so that a CPU works on several symbols at once: the caller selects the state by numbers that are
-//! known at compile time, so that they stay in registers.
+//! of frequency f of 4096 makes it 4096 / f times as large, and bits beyond 32 are written, 16 at a time. One look-up
+//! by the lowest 12 bits of the state yields the symbol and the previous state. Several states take turns (Giesen
+//! 2014), so that a CPU works on several symbols at once: the caller selects the state by numbers that are known at
+//! compile time, so that they stay in registers.
 //!
 //! When it wins: a symbol takes one look-up where an adaptive coder has several for each bit of it. What it costs: the
-//! tables, and that nothing is learnt on the way.
+//! tables, and no adaptation along the stream.
 //!
 //! The encoder records which symbols come in which context. Which contexts share a table is decided at the end
 //! ([`clustered`]), and the symbols are coded from the last to the first. Bits of uniform probability are stored raw
@@ -20,11 +20,11 @@ use super::raw_bits::{RawReader, RawWriter};
 use crate::reel::error::Fault;
 use crate::reel::file::{ByteReader, ByteWriter};
 
-/// Most states that take turns.
+/// Maximum number of states that take turns.
 // Interleaved states only help because contexts are derived from the level above, hardly ever from the previous symbol.
 pub(in crate::reel) const LANES: usize = 4;
 
-/// Most contexts.
+/// Maximum number of contexts.
 const MAX_CONTEXTS: usize = 64;
 
 /// States are at least this between symbols.
@@ -38,7 +38,7 @@ pub(in crate::reel) trait SymbolCoder: Default {
     /// Codes a symbol by a state and the table of a context: the one given, or the one read.
     fn symbol(&mut self, lane: usize, context: usize, symbol: u8) -> u8;
 
-    /// Codes symbols of which all contexts are known, the states in turns.
+    /// Codes symbols whose contexts are all known, the states in turns.
     fn symbols(&mut self, contexts: &[u8], symbols: &mut [u8]);
 
     /// Codes symbols of the first context, the states in turns.
@@ -58,7 +58,7 @@ pub(in crate::reel) struct SymbolEncoder {
 }
 
 impl SymbolEncoder {
-    /// For so many contexts.
+    /// For this number of contexts.
     pub(in crate::reel) fn new(contexts: usize) -> Self {
         debug_assert!(contexts <= MAX_CONTEXTS, "more than there is room for");
         Self {
@@ -347,11 +347,11 @@ mod tests {
 
     const CONTEXTS: usize = 30;
 
-    /// What is coded: a symbol by a context; several, of this context and those behind it; several of the first one; or
-    /// so many bits.
+    /// The coded item: a symbol by a context; several, of this context and those after it; several of the first one; or
+    /// a number of bits.
     type Coded = (u8, usize, u32);
 
-    /// What a decoder has to find.
+    /// The value that a decoder has to find.
     fn code<C: SymbolCoder>(coder: &mut C, (kind, context, value): Coded) -> Vec<u32> {
         match kind {
             0 => vec![u32::from(coder.symbol(context % LANES, context, value as u8))],

@@ -1,5 +1,5 @@
-//! The nodes of a level by their parents, some parents at a time: so what is read of them stays in the cache of a core
-//! from the symbols to the values.
+//! The nodes of a level by their parents, some parents at a time: so the symbols read stay in the cache of a core from
+//! the symbols to the values.
 
 use super::ranges::{NUMBERS, Ranges};
 use super::slopes::{FLAT, OfParents, Slopes};
@@ -13,7 +13,7 @@ pub(in crate::reel) const SLACK: usize = 8;
 /// Parents of a block, and those without parents of one.
 const PARENTS: usize = 512;
 
-/// Families that tell how the others are.
+/// Families that determine the prediction of the others.
 const SAMPLES: usize = 1024;
 
 /// Bits of the shift of a level.
@@ -80,9 +80,9 @@ fn told_of_families(families: Families<'_>) -> usize {
     }
 }
 
-/// Codes the values of a level, which has [`SLACK`] entries behind them, and leaves them as a decoder has them. Those
-/// of the level above are `parents`, as they are decoded; of those without parents, the first is what the first one
-/// follows.
+/// Codes the values of a level, which has [`SLACK`] entries behind them, and leaves them as a decoder has them. The
+/// decoded values of the level above are `parents`; without parents, the first of them is the predecessor of the first
+/// value.
 #[inline(always)]
 pub(super) fn code_level<C: SymbolCoder, K: Kind>(
     kind: &K,
@@ -194,7 +194,7 @@ struct Level<'a, K> {
 }
 
 impl<K: Kind> Level<'_, K> {
-    /// Reads so many symbols, and the words of what they tell.
+    /// Reads this number of symbols, and the words of their values.
     #[inline(always)]
     fn read_words<C: SymbolCoder>(&mut self, coder: &mut C, told: usize) {
         self.symbols.resize(told, 0);
@@ -296,7 +296,7 @@ impl<K: Kind> Level<'_, K> {
         }
     }
 
-    /// Writes the bits of a value and notes its symbol; what a decoder has of it.
+    /// Writes the bits of a value and notes its symbol; returns the decoder's value.
     #[inline(always)]
     fn tell<C: SymbolCoder>(&mut self, coder: &mut C, parent: K::Value, slope: [i16; 4], value: K::Value) -> K::Value {
         let (symbol, numbers) = self.kind.symbol(parent, slope, value, self.scale.shift);

@@ -9,8 +9,8 @@ use super::ranges::{NUMBERS, Range, Ranges};
 use super::slopes::{OfParents, Slopes};
 use crate::reel::coder::SymbolCoder;
 
-/// Ranges of a number of steps: the least, and bits; the last is for all others. Those for levels of which hardly
-/// anything is to be told, and those for others, which have a shift.
+/// Ranges of a number of steps: the least, and bits; the last is for all others. One table for levels with hardly any
+/// residuals, and one for others, which have a shift.
 const NARROW: [(i32, u32); 6] = [(0, 0), (1, 0), (-1, 0), (2, 2), (-5, 2), (-512, 10)];
 const WIDE: [(i32, u32); 6] = [(0, 0), (1, 1), (-2, 1), (3, 3), (-10, 3), (-512, 10)];
 const COUNT: usize = WIDE.len();

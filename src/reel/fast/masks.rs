@@ -6,11 +6,10 @@ use crate::reel::coder::SymbolCoder;
 /// Contexts of masks.
 pub(in crate::reel) const MASK_CONTEXTS: usize = VIEWS;
 
-/// The mask above the root, of which that is the only octant.
+/// The mask above the root, with the root as its only octant.
 pub(in crate::reel) const ABOVE_ROOT: u8 = 1;
 
-/// Codes the masks of a level, of which the nodes above have the masks `above`. Precondition: as many masks as those
-/// have octants.
+/// Codes the masks of a level, whose parents have the masks `above`. Precondition: one mask per octant of those.
 #[inline(always)]
 pub(in crate::reel) fn code_masks<C: SymbolCoder>(coder: &mut C, above: &[u8], masks: &mut [u8]) {
     // Always eight at a time: their number is unpredictable.

@@ -4,8 +4,8 @@
 //! parent alone, colours by how the parent and its siblings differ as well ([`slopes`]). The residual is one symbol of
 //! the one table of its stream, which selects the range of each number, and raw bits ([`ranges`]). So there is no
 //! context to be found, no neighbour, no unpredictable branch. All work but the symbols is done in lanes: the eight
-//! children that a node may have are written at once, and those that it does not have are overwritten by the next. What
-//! is read goes from step to step in [`blocks`] that stay in the cache of a core.
+//! children that a node may have are written at once, and the missing ones are overwritten by the next. The symbols
+//! read go from step to step in [`blocks`] that stay in the cache of a core.
 //!
 //! When it wins: in time, by six times, geometry alone by twelve. What it costs: up to a half more bits than the
 //! compact coding.

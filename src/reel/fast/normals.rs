@@ -12,7 +12,7 @@ pub(in crate::reel) const NO_NORMAL: u32 = 1 << 31;
 /// Bit offset of the second axis.
 const SECOND: u32 = 16;
 
-/// Steps of at most so much are symbols, and so many of them along an axis.
+/// Maximum step that is a symbol, and the number of those along an axis.
 const MAX_STEP: i32 = 7;
 const STEPS: i32 = 2 * MAX_STEP + 1;
 
@@ -50,7 +50,7 @@ impl Normals {
         first | second << SECOND | NO_NORMAL
     }
 
-    /// The steps from a parent that has a normal, within half of the way around.
+    /// The steps from a parent that has a normal, within half of a wrap.
     #[inline(always)]
     fn steps(&self, parent: u32, normal: u32) -> [i32; 2] {
         let from = if parent & NO_NORMAL == 0 { parent } else { 0 };
@@ -111,7 +111,7 @@ impl Kind for Normals {
         }
         let steps = self.steps(parent, normal);
         let [first, second] = steps.map(|step| step >> shift);
-        // The step, wrapped around, is what a range begins with.
+        // The wrapped step is the start of a range.
         let [along, across] = [0, 1].map(|axis| steps[axis] & ((1 << self.bits[axis]) - 1));
         if first.abs().max(second.abs()) > MAX_STEP {
             return (FAR, [along, across, 0]);

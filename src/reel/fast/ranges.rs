@@ -1,17 +1,18 @@
 //! Numbers as a symbol and raw bits: the symbol selects the range of each of up to three numbers, and the bits the
 //! position in it.
 //!
-//! How it works: what a decoder needs of a number is always a multiple of it, in some lanes of a word. So a symbol has
-//! a word for the least numbers of its ranges, and what the bits of each are multiplied by is the same for all symbols:
-//! three products and sums, whatever the numbers mean, and no branch. Ranges grow with the *shift* of a level, the
-//! number of bits of each number that are written verbatim.
+//! How it works: a decoder always needs a multiple of a number, in some lanes of a word. So a symbol has a word for the
+//! least numbers of its ranges, and the factors of the bits are the same for all symbols: three products and sums,
+//! whatever the numbers mean, and no branch. Ranges grow with the *shift* of a level, the number of bits of each number
+//! that are written verbatim.
 
 use crate::reel::coder::SymbolCoder;
 
 /// Numbers that a symbol may have ranges of.
 pub(super) const NUMBERS: usize = 3;
 
-/// The range of a number: its least one, and how many bits tell those in it, of the first two numbers at most 16.
+/// The range of a number: its least one, and the number of bits that select one in it, for the first two numbers at
+/// most 16.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Range {
     pub(super) min: i32,

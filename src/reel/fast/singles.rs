@@ -8,7 +8,7 @@ use crate::reel::coder::SymbolCoder;
 /// Differences of at most so much are symbols.
 const MAX: i32 = 127;
 
-/// The symbol of others, and how many bits tell them.
+/// The symbol of others, and their number of bits.
 const FAR: u8 = 255;
 const FAR_RANGE: Range = Range {
     min: -(1 << 16),

@@ -1,9 +1,9 @@
 //! Colour slopes within the children of a parent, as far as the parent and its siblings show.
 //!
-//! How it works: along each axis the mean of the siblings on the upper side is compared with that of those on the lower
+//! How it works: along each axis the mean of the siblings on the upper side is compared with the mean on the lower
 //! side. A child is a quarter of that distance from the centre of its parent; an eighth of the difference is taken for
 //! each axis, as siblings that stand diagonally show the same slope along two. All children of one grandparent have the
-//! same eight sums, by their octant. A sixth of the time that nodes across faces take, and half of what they save.
+//! same eight sums, by their octant. A sixth of the time that nodes across faces take, and half of their saving.
 
 use crate::reel::tree::OCTANTS;
 
@@ -27,7 +27,7 @@ const EIGHTH: i32 = 341;
 pub(super) struct OfParents<'a> {
     /// The masks of the level above.
     masks: std::slice::Iter<'a, u8>,
-    /// Parents that have been asked for, and how many siblings of the last one are left.
+    /// Parents already requested, and the number of siblings of the last one that are left.
     next: usize,
     left: u32,
     slopes: Slopes,
@@ -58,7 +58,7 @@ impl<'a> OfParents<'a> {
     }
 }
 
-/// The slopes between siblings, of which the first ones are given.
+/// The slopes between siblings, the first of which are given.
 #[inline(always)]
 fn between(mask: u8, siblings: &[[u8; 4]]) -> Slopes {
     let mut at = FLAT;
@@ -102,7 +102,7 @@ fn between(mask: u8, siblings: &[[u8; 4]]) -> Slopes {
 mod tests {
     use super::*;
 
-    /// Of a plane the slope is that of the plane where siblings are on all sides.
+    /// For a plane, the slope is the plane's where siblings are on all sides.
     #[test]
     fn a_plane_has_the_expected_slope() {
         let value = |octant: usize| {
@@ -122,7 +122,7 @@ mod tests {
         }
     }
 
-    /// Who has no sibling across an axis knows no slope along it.
+    /// A node without a sibling across an axis has no slope along it.
     #[test]
     fn cells_without_an_opposite_neighbour_have_no_slope() {
         assert_eq!(between(0b100, &[[9; 4]]), FLAT);

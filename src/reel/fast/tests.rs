@@ -1,4 +1,4 @@
-//! Values of levels come back, as near as they may be; and bytes that nobody wrote are no panic.
+//! Values of levels come back, as near as they may be; and invalid bytes do not panic.
 
 use super::{NO_NORMAL, SLACK, Upwards, code_colors, code_normals, code_offsets, code_singles};
 use crate::reel::coder::{SymbolCoder, SymbolDecoder, SymbolEncoder};
@@ -8,7 +8,7 @@ use proptest::prelude::*;
 /// A level below another one.
 #[derive(Debug, Clone)]
 struct Tree {
-    /// Of the level above the parents, and of these.
+    /// The values of the level above the parents, and of the parents.
     masks: [Vec<u8>; 2],
     /// Points of cells, and outside.
     counts: Vec<u32>,
@@ -80,7 +80,7 @@ fn numbers(count: usize, seed: u64) -> impl Iterator<Item = u64> {
 /// A kind of values.
 struct Kind<V> {
     make: fn(u64) -> V,
-    /// As near the parent as numbers of so many bits are.
+    /// As near the parent as numbers of this many bits.
     near: fn(V, u64, u32) -> V,
     decode: fn(&mut SymbolDecoder<'_>, Upwards<'_>, &[V], &mut [V], u8),
     encode: fn(&mut SymbolEncoder, Upwards<'_>, &[V], &mut [V], u8),
@@ -210,7 +210,7 @@ proptest! {
     }
 }
 
-/// Where values change within families as they do between them.
+/// Slopes pay off where values change within families as they do between them.
 #[test]
 fn slopes_are_used_where_they_save_space() {
     let tree = Tree {

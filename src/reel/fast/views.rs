@@ -1,8 +1,8 @@
 //! A mask as it is seen from one of its octants: turned and mirrored so that masks that are alike are the same.
 //!
-//! How it works: a cube has 48 symmetries. For an octant of a mask those are taken that bring it to the corner of
-//! octant 0: mirror along the axes on which it is above, then order the axes. Of the six orders the one counts that
-//! makes the mask the least number. So 1,024 pairs of a mask and an octant in it are 40 contexts, and what is below
+//! How it works: a cube has 48 symmetries. For an octant of a mask, the symmetries are used that bring it to the corner
+//! of octant 0: mirror along the axes on which it is above, then order the axes. Of the six orders the one counts that
+//! makes the mask the least number. So 1,024 pairs of a mask and an octant in it are 40 contexts, and the subtree of
 //! that octant is turned along with it.
 
 /// Contexts of a mask below another one.

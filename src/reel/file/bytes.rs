@@ -91,7 +91,7 @@ impl<'a> ByteReader<'a> {
         Err(Fault::new("a whole number has more than 64 bits"))
     }
 
-    /// A number of things of which each takes a byte or more.
+    /// A number of items of at least one byte each.
     pub(in crate::reel) fn count(&mut self, what: &str) -> Result<usize, Fault> {
         let count = self.number()?;
         if count > self.left() as u64 {

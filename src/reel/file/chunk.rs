@@ -1,4 +1,4 @@
-//! A chunk: what it is, how long, and a checksum; found again by its first bytes where the one before it is damaged.
+//! A chunk: its kind, length and checksum; found again by its first bytes where the one before it is damaged.
 
 use super::bytes::{ByteReader, ByteWriter};
 use crate::reel::error::Fault;
@@ -6,7 +6,7 @@ use crate::reel::error::Fault;
 /// Sync marker at the start of every chunk. The first byte begins no UTF-8.
 pub(in crate::reel) const SYNC: [u8; 4] = *b"\xf1rlc";
 
-/// Bytes before what is in it.
+/// Bytes before its contents.
 pub(in crate::reel) const CHUNK_HEADER_BYTES: usize = 28;
 
 /// Kind of a chunk's contents.
@@ -47,7 +47,7 @@ pub(in crate::reel) struct ChunkHeader {
     pub(in crate::reel) kind: ChunkKind,
     /// Bytes of the contents.
     pub(in crate::reel) len: u64,
-    /// So many of its first bytes are checked by `crc`; the rest, by what those say.
+    /// Number of its first bytes checked by `crc`; the rest is checked by sums in those.
     pub(in crate::reel) checked_len: u32,
     pub(in crate::reel) crc: u32,
 }

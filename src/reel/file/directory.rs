@@ -50,7 +50,7 @@ pub(in crate::reel) struct FrameRecord {
     pub(in crate::reel) schema: usize,
     /// Points of the cloud that was written.
     pub(in crate::reel) points_written: u64,
-    /// Points that are kept one by one, in cells and outside.
+    /// Points stored individually, in cells and outside.
     pub(in crate::reel) points: [usize; 2],
     /// Nodes of each level.
     pub(in crate::reel) counts: Vec<usize>,
@@ -60,13 +60,13 @@ pub(in crate::reel) struct FrameRecord {
     pub(in crate::reel) convention: Option<AxisConvention>,
     pub(in crate::reel) unit: Option<LengthUnit>,
     pub(in crate::reel) image: Option<ImageGrid>,
-    /// Those that are there.
+    /// The sections that are there.
     pub(in crate::reel) sections: Vec<SectionRecord>,
-    /// Extent of what is present of a frame that the end of the file truncates.
+    /// Extent present of a frame that the end of the file truncates.
     pub(in crate::reel) cut: Option<FrameCut>,
 }
 
-/// Extent of what is present of a frame that the end of the file truncates.
+/// Extent present of a frame that the end of the file truncates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::reel) struct FrameCut {
     /// Bytes that are there.
@@ -129,8 +129,8 @@ impl Directory {
         Ok(directory)
     }
 
-    /// Leaves what is in the first `bytes` of the data, as the file has no more: of each frame the sections that are
-    /// whole, without frames of which no section is. Says how many frames are not there at all.
+    /// Retains the data in the first `bytes`, as the file has no more: the complete sections of each frame, without
+    /// frames that have none. Returns the number of frames that are absent altogether.
     pub(in crate::reel) fn cut(&mut self, bytes: u64) -> usize {
         let mut before = usize::MAX;
         for frame in &mut self.frames {
@@ -170,7 +170,7 @@ pub(super) fn time_number(time: Option<Duration>) -> u64 {
 }
 
 impl FrameRecord {
-    /// Returns true if points that are kept individually are present.
+    /// Returns true if individually stored points are present.
     pub(in crate::reel) fn has_points(&self) -> bool {
         self.sections.last().is_some_and(|section| section.levels.is_empty())
     }

@@ -4,7 +4,7 @@ use super::bytes::{ByteReader, ByteWriter};
 use super::part::FilePart;
 use crate::reel::error::Fault;
 
-/// Versions with another first number cannot be read; a higher second one adds what may be passed over.
+/// Versions with another first number cannot be read; a higher second one adds only skippable data.
 pub(in crate::reel) const VERSION: [u16; 2] = [3, 2];
 
 /// Bytes before the first chunk.

@@ -1,4 +1,4 @@
-//! Part of a conversion: which of its frames a file has, so that parts that were written by several machines are
+//! Part of a conversion: the frames that a file has, so that parts that were written by several machines are
 //! concatenated in the right order.
 
 use super::bytes::{ByteReader, ByteWriter};
@@ -12,7 +12,7 @@ pub struct FilePart {
     pub index: u64,
     /// Number of parts; 1 for a file with all frames.
     pub count: u64,
-    /// Its frames among those of the conversion, also those that could not be read.
+    /// Its frames among those of the conversion, including unreadable ones.
     pub frames: Range<u64>,
     /// Frames of the conversion.
     pub of_frames: u64,

@@ -9,12 +9,12 @@ pub trait ReadAt: Send + Sync {
     /// Number of bytes there are now.
     fn len(&self) -> io::Result<u64>;
 
-    /// Returns true if there are no bytes.
+    /// Returns true if it is empty.
     fn is_empty(&self) -> io::Result<bool> {
         Ok(self.len()? == 0)
     }
 
-    /// Fills `bytes` with those from `offset` on; an error where there are not so many.
+    /// Fills `bytes` with those from `offset` on; an error if there are fewer.
     fn read_at(&self, offset: u64, bytes: &mut [u8]) -> io::Result<()>;
 }
 
@@ -79,7 +79,7 @@ impl<T: ReadAt + ?Sized> ReadAt for Arc<T> {
     }
 }
 
-/// `count` bytes from `offset` on. Precondition: there may be so many.
+/// `count` bytes from `offset` on. Precondition: the file may have that many.
 pub(in crate::reel) fn bytes_at(from: &dyn ReadAt, offset: u64, count: usize) -> io::Result<Vec<u8>> {
     let mut bytes = vec![0; count];
     from.read_at(offset, &mut bytes)?;

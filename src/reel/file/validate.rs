@@ -45,7 +45,7 @@ fn check_sections(frame: &FrameRecord, data_bytes: u64) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Points that are kept one by one are in a section of their own, at least one in each of the deepest nodes.
+/// Individually stored points are in a section of their own, at least one in each of the deepest nodes.
 fn check_points(frame: &FrameRecord) -> Result<(), Fault> {
     let [placed, outside] = frame.points;
     let nodes = frame.counts.last().copied().unwrap_or(0);

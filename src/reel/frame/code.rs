@@ -8,7 +8,7 @@ use super::sections::{CodedSection, Sizes, Wanted, blank_sections, ranges_of, se
 use super::streams;
 use crate::reel::error::Fault;
 
-/// The frame as sections; the pose becomes what a decoder makes of them.
+/// The frame as sections; the pose becomes the decoder's result.
 pub(in crate::reel) fn encode_pose(schema: &Schema, grid: &Grid, pose: &mut Pose) -> Vec<CodedSection> {
     let counts: Vec<usize> = pose.levels.iter().map(|level| level.cells.len()).collect();
     let ranges = sections_of(&counts);
@@ -28,8 +28,8 @@ pub(in crate::reel) fn encode_pose(schema: &Schema, grid: &Grid, pose: &mut Pose
     sections
 }
 
-/// A pose from its first sections. Of the fast coding the values of fine levels are there if `keeps_levels`, and else
-/// as [`Pose::flat`] those of the last one.
+/// A pose from its first sections. With the fast coding, the values of fine levels are there if `keeps_levels`, and
+/// else those of the last one as [`Pose::flat`].
 pub(in crate::reel) fn decode_pose(wanted: &Wanted<'_>, sections: &[CodedSection]) -> Result<Pose, Fault> {
     let levels = sections.iter().map(|section| section.levels.end).max().unwrap_or(0);
     let counts = wanted
@@ -48,7 +48,7 @@ pub(in crate::reel) fn decode_pose(wanted: &Wanted<'_>, sections: &[CodedSection
     Ok(pose)
 }
 
-/// A pose with room for what will be decoded.
+/// A pose allocated for the data to be decoded.
 fn blank(wanted: &Wanted<'_>, counts: &[usize], has_points: bool, is_retained: impl Fn(usize) -> bool) -> Pose {
     let schema = wanted.schema;
     let deepest = wanted.counts.len().saturating_sub(1);

@@ -6,7 +6,7 @@ use crate::cloud::{Positions, RawCloud};
 use crate::reel::options::{Coding, Precision, ReelOptions};
 use glam::Vec3;
 
-/// The schema of a cloud of a group, of which scalars share their steps.
+/// The schema of a cloud of a group; scalars of a group share their steps.
 pub(super) fn schema(
     cloud: &RawCloud,
     group: &[&RawCloud],
@@ -67,7 +67,7 @@ pub(super) fn schema(
     }
 }
 
-/// Whole numbers between which there is at most this may be labels, which have no mean.
+/// Maximum range of whole numbers that may be labels, which have no mean.
 const WIDEST_LABELS: f64 = 255.0;
 
 /// Bits that keep labels as they are.

@@ -8,7 +8,7 @@ use crate::math::morton;
 use crate::reel::coder::{BitCoder, BitModel};
 use crate::reel::error::Fault;
 
-/// Numbers of points in cells, and what is below.
+/// Numbers of points in cells, and the bits below.
 pub(super) fn code_positions<C: BitCoder>(
     coder: &mut C,
     schema: &Schema,
@@ -60,7 +60,7 @@ pub(super) fn code_positions<C: BitCoder>(
     Ok(())
 }
 
-/// Codes columns of numbers that are kept as they are.
+/// Codes columns of numbers that are stored unchanged.
 pub(super) fn code_columns<C: BitCoder>(coder: &mut C, columns: &mut [Vec<u32>]) {
     for column in columns {
         code_floats(coder, column);
@@ -81,7 +81,7 @@ pub(super) fn columns_by_kind<'a>(
     columns_of(schema).map(of_kind).collect()
 }
 
-/// Columns of numbers as they are: what they are of, and how many, in the order in which they stand.
+/// Columns of unchanged numbers: their attribute and count, in the order in which they are stored.
 pub(super) fn columns_of(schema: &Schema) -> impl Iterator<Item = (StreamKind, usize)> {
     let all = [
         (StreamKind::Normal, 3 * usize::from(schema.has_exact_normals)),

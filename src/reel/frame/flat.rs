@@ -1,7 +1,7 @@
-//! Attributes by the fast coding: level after level, then those of points, in the form in which they are drawn.
+//! Attributes by the fast coding: level after level, then the points', in the form in which they are drawn.
 //!
-//! A level is read from the one above it alone, so no more than two of a kind are in memory, unless others are asked
-//! for: [`LevelValues`](super::levels::LevelValues) that have room are filled in.
+//! A level is read from the one above it alone, so no more than two of a kind are in memory, unless others are
+//! requested: allocated [`LevelValues`](super::levels::LevelValues) are filled in.
 
 use super::levels::{FlatValues, Level, LevelValues, Pose};
 use super::parts::{Direction, Part};
@@ -23,7 +23,7 @@ struct Place<'a> {
     section: usize,
 }
 
-/// A kind in the form in which it is drawn, and in that in which levels are kept.
+/// A kind in the form in which it is drawn, and in the form in which levels are stored.
 struct Forms<V, K> {
     /// Value of the parent of the root.
     root: V,
@@ -37,8 +37,8 @@ struct Forms<V, K> {
 /// Bytes written by each section of a part, and the values of the last level or of the points.
 type Coded<V> = (Written, Vec<V>);
 
-/// Codes colours, normals, offsets and single numbers, those that there are, as parts from a number on; normals and the
-/// others at the same time. What each part wrote, and the values of the last level or of the points.
+/// Codes the colours, normals, offsets and single numbers present, as parts from a number on; normals and the others at
+/// the same time. Returns the output of each part, and the values of the last level or of the points.
 pub(super) fn code_flat<D: Direction>(
     direction: &D,
     first_part: usize,
@@ -100,7 +100,7 @@ pub(super) fn code_flat<D: Direction>(
     Ok((written, flat))
 }
 
-/// The levels and the points, and what is kept of them.
+/// The levels and the points, and their retained values.
 fn places_of<'a>(pose: &'a mut Pose, sizes: Sizes<'_>) -> (Vec<Place<'a>>, Vec<&'a mut LevelValues>) {
     let (mut places, mut all) = (Vec::new(), Vec::new());
     let (mut above, mut parents): (&[u8], Option<&[u8]>) = (&[], None);

@@ -1,9 +1,9 @@
-//! Numbers that the coordinates of a file may be, in their order: all floats, or those of a lattice.
+//! Numbers that the coordinates of a file may be, in their order: all floats, or the numbers of a lattice.
 //!
-//! How it works: a coordinate that is kept to its last bit is coded by its rank among the numbers that may be in its
-//! cell. Of all floats there are as many as the precision distinguishes. But most files were written with a fixed
-//! number of digits: their coordinates are thousandths, or sixteenths of a pixel, or integers. There are few of those
-//! in a cell. The lattice is looked for in the points; those that are not on it are kept outside of cells.
+//! How it works: a coordinate stored to its last bit is coded by its rank among the numbers that may be in its cell.
+//! There are as many floats as the precision distinguishes. But most files were written with a fixed number of digits:
+//! their coordinates are thousandths, or sixteenths of a pixel, or integers. There are few of those in a cell. The
+//! lattice is looked for in the points; those that are not on it are stored outside cells.
 //!
 //! When it wins: former text files, LAS, E57 with scaled integers, voxels. For metres in thousandths around ten, in
 //! single precision, each coordinate saves ten bits; in double precision thirty.
@@ -17,7 +17,7 @@ use crate::reel::file::{ByteReader, ByteWriter};
 /// Numbers of a lattice are within this from 0.
 const MAX_NUMBER: f64 = (1u64 << 50) as f64;
 
-/// Ranks of numbers of a lattice begin so far below that of 0.
+/// Distance below the rank of 0 at which ranks of lattice numbers begin.
 const RANK_OF_ZERO: i64 = 1 << 60;
 
 /// Maximum distance of the first number in a cell from where it is looked for, in steps.
@@ -135,7 +135,7 @@ impl Floats {
         (first, end.saturating_sub(first).max(1))
     }
 
-    /// The rank of a coordinate; `None` if it is no number of the lattice.
+    /// The rank of a coordinate; `None` if it is not on the lattice.
     fn rank(self, positions: &Positions, index: usize, axis: usize) -> Option<u64> {
         if let Some(lattice) = self.lattice {
             let coordinate = positions.get(index)[axis];
@@ -176,7 +176,7 @@ impl Floats {
     }
 }
 
-/// The rank of a number, of −0 if it is 0: both are in texts. That of +0 is the next one.
+/// The rank of a number, of −0 if it is 0: both are in texts. The rank of +0 is the next one.
 fn rank_of(number: i64) -> u64 {
     (number + RANK_OF_ZERO - i64::from(number <= 0)) as u64
 }
@@ -192,7 +192,7 @@ fn number_of(rank: u64) -> f64 {
 /// Points of a cloud that are tried before all of them are.
 const TRIED: usize = 256;
 
-/// One point in so many may be off the lattice.
+/// One point in this many may be off the lattice.
 const POINTS_PER_OUTLIER: usize = 500;
 
 /// The coarsest lattice that the points of clouds are on; `None` if there is none that saves anything.

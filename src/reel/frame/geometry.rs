@@ -26,7 +26,7 @@ pub(super) fn encode(levels: &mut [Level], sizes: Sizes<'_>) -> Vec<Vec<u8>> {
     coders.into_iter().map(finished).collect()
 }
 
-/// Reads levels that have room for what is in these sections.
+/// Reads levels allocated for these sections.
 pub(super) fn decode(levels: &mut [Level], sizes: Sizes<'_>, sections: &[CodedSection]) -> Result<(), Fault> {
     let mut coders = Vec::with_capacity(sizes.ranges.len());
     for (levels, section) in sizes.ranges.iter().zip(sections) {

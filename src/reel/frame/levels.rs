@@ -1,11 +1,11 @@
 //! A frame as whole numbers on every level.
 
-/// Nodes of an octree level and their attributes. Arrays of what a frame does not have are empty.
+/// Nodes of an octree level and their attributes. Arrays of attributes that a frame does not have are empty.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(in crate::reel) struct Level {
     /// Occupied octants, of all levels but the deepest.
     pub(in crate::reel) masks: Vec<u8>,
-    /// Morton codes of so many bits as the level has.
+    /// Morton codes with the bits of the level.
     pub(in crate::reel) cells: Vec<u64>,
     pub(in crate::reel) values: LevelValues,
 }
@@ -34,7 +34,7 @@ pub(in crate::reel) struct FlatValues {
     pub(super) singles: Vec<Vec<[u16; 1]>>,
 }
 
-/// Points that are kept one by one, in the order of their cells.
+/// Individually stored points, in the order of their cells.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(in crate::reel) struct PosePoints {
     /// Points of each cell, one or more.

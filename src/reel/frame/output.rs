@@ -10,7 +10,7 @@ use crate::math::morton;
 use crate::reel::attributes::{MISSING, NormalGrid, offset_edges};
 use glam::{DVec3, Vec3};
 
-/// A disk of this part of a cell's edge reaches over the cell whatever its normal.
+/// A disk of this part of a cell's edge covers the cell whatever its normal.
 const CLOSING: f64 = 0.87;
 
 /// The cloud of a pose: of its points if they are there, or else of the nodes of its last level. Scalars have the
@@ -240,7 +240,7 @@ fn fill_exactly(schema: &Schema, columns: &[Vec<u32>], cloud: &mut RawCloud) {
     }
 }
 
-/// Puts points where they were in the file. Places that damaged bytes say twice or beyond the end are left alone.
+/// Puts points where they were in the file. Places that damaged bytes repeat or put beyond the end are left alone.
 pub(super) fn in_file_order(order: &[u32], cloud: &mut RawCloud) {
     let mut places = vec![u32::MAX; order.len()];
     for (point, &place) in (0u32..).zip(order) {

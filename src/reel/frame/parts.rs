@@ -1,4 +1,4 @@
-//! Parts of symbols, of which each has a coder in each section.
+//! Parts of symbols, each with a coder in each section.
 
 use crate::reel::coder::SymbolCoder;
 use crate::reel::error::Fault;
@@ -7,7 +7,7 @@ use crate::reel::error::Fault;
 pub(super) trait Direction: Sync {
     type Coder: SymbolCoder;
 
-    /// That of a part in a section.
+    /// Opens the coder of a part in a section.
     fn open(&self, part: usize, section: usize) -> Result<Self::Coder, Fault>;
 
     /// The bytes that it wrote, if it did.
@@ -33,7 +33,7 @@ impl<'a, D: Direction> Part<'a, D> {
         })
     }
 
-    /// Its coder in a section, none before the last one asked for.
+    /// Its coder in a section, none before the last one requested.
     pub(super) fn at(&mut self, section: usize) -> Result<&mut D::Coder, Fault> {
         while self.bytes.len() < section {
             let next = self.direction.open(self.number, self.bytes.len() + 1)?;

@@ -16,21 +16,21 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// A level is as fine as the points are dense while it has so many times the cells of the level above; a surface of
-/// which every cell is occupied has four times as many.
+/// A level is as fine as the points are dense while it has this many times the cells of the level above; a surface with
+/// every cell occupied has four times as many.
 const GROWTH: f64 = 2.0;
 
 /// Variant of [`GROWTH`] where the bits below a cell are those that its points need: as they are coded independently of
 /// each other, the tree goes on as long as it separates many of them.
 const GROWTH_OF_POINTS: f64 = 1.5;
 
-/// Most bits of the depth of the tree and of what is below it: numbers of so many have halves in doubles.
+/// Maximum bits of the depth of the tree and below it: numbers of that size have halves in doubles.
 const MAX_BITS: u32 = 50;
 
-/// Larger coordinates, of which products may overflow, are kept outside of cells.
+/// Larger coordinates, whose products may overflow, are stored outside cells.
 const LARGEST: f64 = 1e150;
 
-/// Plan of a group: what its frames have in common, and the cells of each.
+/// Plan of a group: the common data of its frames, and the cells of each.
 #[derive(Debug)]
 pub(in crate::reel) struct GroupPlan {
     pub(in crate::reel) grid: Grid,
@@ -58,7 +58,7 @@ struct FrameCells {
 struct Finest {
     grid: Grid,
     retained: Retained,
-    /// Lattice of the coordinates, if they are kept to the last bit.
+    /// Lattice of the coordinates, if they are stored to the last bit.
     lattice: Option<Lattice>,
 }
 
@@ -110,7 +110,7 @@ impl GroupPlan {
         self.largest_cells.get(frame).map(Vec::as_slice)
     }
 
-    /// Bits below the deepest nodes of a frame that their points need, each node those of its most precise point.
+    /// Bits below the deepest nodes of a frame that their points need, each node the bits of its most precise point.
     fn bits_below(&self, frame: usize) -> Vec<u8> {
         let (_, ranges) = self.nodes(frame);
         let order = self.order(frame);
@@ -133,7 +133,7 @@ impl GroupPlan {
         }
     }
 
-    /// The most of those of any frame.
+    /// The maximum over all frames.
     fn max_bits(&self) -> u8 {
         let frames = (0..self.largest_cells.len()).into_par_iter();
         let most = frames.map(|frame| self.bits_below(frame).into_iter().max().unwrap_or(0));
@@ -182,8 +182,8 @@ fn bits_for(grid: Grid, edge: f64) -> u8 {
 /// Steps in which the cube may be larger than a power of two, in parts of an octave.
 const SCALES: usize = 4;
 
-/// By what cells are larger than powers of two so that most are about as large as they may be: halved again and again,
-/// they miss that by least.
+/// Factor by which cells are larger than powers of two so that most are about as large as allowed: halved repeatedly,
+/// they miss that by the least.
 fn scale_for(largest_cells: &[Vec<f64>]) -> f64 {
     const CLASSES: usize = 4 * SCALES;
     // Square roots are rounded identically on every machine; logarithms are not.
@@ -294,7 +294,7 @@ fn finest_grid(clouds: &[&RawCloud], options: &ReelOptions) -> Finest {
     }
 }
 
-/// A cube of which edge and place are round numbers, so that groups of a sequence mostly have the same.
+/// A cube whose edge and position are round numbers, so that groups of a sequence mostly have the same.
 fn power_of_two_grid(min: DVec3, max: DVec3, extent: f64, largest: f64) -> Grid {
     let least = if extent > 0.0 { extent } else { 1.0 };
     // Cells that doubles can resolve, and that are not subnormal.

@@ -67,12 +67,12 @@ impl StreamKind {
     }
 }
 
-/// Position data that is kept of points.
+/// Stored position data of points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::reel) enum Retained {
     /// One point a cell.
     Merged,
-    /// Every point, with so many bits below its cell along each axis.
+    /// Every point, with this number of bits below its cell along each axis.
     Bits(u8),
     /// Every point with its floats.
     Exact,
@@ -93,7 +93,7 @@ pub(in crate::reel) enum Values {
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::reel) struct ScalarSchema {
     pub(in crate::reel) name: String,
-    /// Bits of its steps: code 0 is no number, the others go from `min` to `max`.
+    /// Bits of its steps: code 0 is a missing number, the others go from `min` to `max`.
     pub(in crate::reel) bits: u8,
     pub(in crate::reel) min: f32,
     pub(in crate::reel) max: f32,
@@ -141,14 +141,14 @@ impl ScalarSchema {
 pub(in crate::reel) struct Schema {
     /// Coding of the geometry.
     pub(in crate::reel) coding: Coding,
-    /// True if values are predicted from their parents alone: those of the fast coding, except in files of version 3.0.
+    /// True if values are predicted from their parents alone: in the fast coding, except in files of version 3.0.
     pub(in crate::reel) is_flat: bool,
     /// True if coordinates are double-precision.
     pub(in crate::reel) is_double: bool,
     pub(in crate::reel) retained: Retained,
     /// True if each cell states how many of the bits below it its points have.
     pub(in crate::reel) has_cell_bits: bool,
-    /// Lattice of the coordinates, if they are kept to the last bit.
+    /// Lattice of the coordinates, if they are stored to the last bit.
     pub(in crate::reel) lattice: Option<Lattice>,
     pub(in crate::reel) has_order: bool,
     /// An odd step of colours, or 0 without any.

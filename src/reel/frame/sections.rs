@@ -6,7 +6,7 @@ use crate::reel::error::Fault;
 use crate::reel::file::{ByteReader, ByteWriter};
 use std::ops::Range;
 
-/// Levels of at most so many nodes are one section.
+/// Levels of at most this many nodes are one section.
 const NODES_OF_FIRST_SECTION: usize = 1 << 10;
 
 /// A part of a frame that is read as a whole.
@@ -18,7 +18,7 @@ pub(in crate::reel) struct CodedSection {
 }
 
 impl CodedSection {
-    /// The bytes of a kind; none if there is no such stream.
+    /// The bytes of a kind; none without such a stream.
     pub(super) fn stream(&self, kind: StreamKind) -> &[u8] {
         let stream = self.streams.iter().find(|(other, _)| *other == kind);
         stream.map_or(&[], |(_, bytes)| bytes.as_slice())
@@ -51,14 +51,14 @@ pub(super) fn blank_sections(ranges: &[Range<usize>], has_points: bool) -> Vec<C
         .collect()
 }
 
-/// Extent to which a frame is to be decoded, and what is known of it.
+/// Extent to which a frame is to be decoded, and its known properties.
 #[derive(Debug, Clone)]
 pub(in crate::reel) struct Wanted<'a> {
     pub(in crate::reel) schema: &'a Schema,
     pub(in crate::reel) grid: &'a Grid,
     /// Nodes of each level that there is.
     pub(in crate::reel) counts: &'a [usize],
-    /// Points that are kept one by one, in cells and outside.
+    /// Points stored individually, in cells and outside.
     pub(in crate::reel) points: [usize; 2],
     /// True if the values of all levels are wanted, and not those of the last one alone.
     pub(in crate::reel) keeps_levels: bool,

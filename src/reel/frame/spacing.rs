@@ -1,7 +1,7 @@
 //! Local point spacing around each point, and thus the edge of the cell that may stand for it.
 //!
 //! How it works: the distance of each point to the nearest other position is found; the spacing at a point is the
-//! median of that distance among the points around it. So two points that nearly coincide do not ask for cells that
+//! median of that distance among the points around it. So two points that nearly coincide do not need cells that
 //! separate them, and a dense part of a scan gets finer cells than a sparse one. The medians of three neighbourhoods
 //! are taken and the least counts: where density changes, measuring it over another neighbourhood still finds the bound
 //! kept.
@@ -54,7 +54,7 @@ pub(super) fn largest_cells(cloud: &RawCloud, placed: &[u32]) -> Vec<f64> {
     edges
 }
 
-/// The edge for a spacing at a position, whose coordinates are floats of so many bits.
+/// The edge for a spacing at a position, whose coordinates are floats with this number of bits.
 fn largest_cell(spacing: f64, position: DVec3, float_bits: i32) -> f64 {
     let largest = position.abs().max_element().max(f64::MIN_POSITIVE);
     // The distance between floats of that magnitude.
@@ -123,8 +123,8 @@ fn spacings(positions: &[DVec3], from: DVec3) -> Vec<f64> {
     spacings
 }
 
-/// [`spacings`] of positions that were one as singles. Where they cannot be told apart once more, they are as far
-/// apart as the nearest of all pairs of a row: each is finer than need be.
+/// [`spacings`] of positions that coincided as singles. Where they still cannot be distinguished, they get the spacing
+/// of the nearest of all pairs of a row: each is finer than necessary.
 fn spacings_of_clump(positions: &[DVec3], from: DVec3) -> Vec<f64> {
     let reach = positions
         .iter()

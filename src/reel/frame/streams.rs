@@ -83,7 +83,7 @@ struct Decoding<'a> {
 }
 
 impl<'a> Decoding<'a> {
-    /// The bytes of the part of a stream in a section: those of symbols, then those of bits.
+    /// The bytes of the part of a stream in a section: symbols first, then bits.
     fn part(&self, section: usize, kind: StreamKind, place: usize) -> Result<&'a [u8], Fault> {
         let Some(section) = self.sections.get(section) else {
             return Ok(&[]);
@@ -121,7 +121,7 @@ impl<'a> Direction for Decoding<'a> {
     }
 }
 
-/// The streams of a pose, which becomes what a decoder makes of them.
+/// The streams of a pose, which becomes the decoder's result.
 pub(super) fn encode(schema: &Schema, grid: &Grid, pose: &mut Pose, sizes: Sizes<'_>, sections: usize) -> CodedStreams {
     let direction = Encoding {
         parts: symbol_parts(schema),
@@ -167,7 +167,7 @@ pub(super) fn encode(schema: &Schema, grid: &Grid, pose: &mut Pose, sizes: Sizes
     streams
 }
 
-/// Reads a pose with room for what is in these sections.
+/// Reads a pose allocated for these sections.
 pub(super) fn decode(
     wanted: &Wanted<'_>,
     pose: &mut Pose,
@@ -205,7 +205,7 @@ pub(super) fn decode(
     }
 }
 
-/// Codes the whole of a pose. For each part of symbols what was written in each section.
+/// Codes the whole of a pose. Returns, for each part of symbols, the output of each section.
 fn code<D: Direction, B: BitCoder>(
     direction: &D,
     schema: &Schema,

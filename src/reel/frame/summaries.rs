@@ -1,4 +1,4 @@
-//! Attributes as codes: of points, of the leaves that they are in, and of the nodes above, each the mean of what is
+//! Attributes as codes: of points, of the leaves that they are in, and of the nodes above, each the mean of the codes
 //! below.
 
 use super::StreamKind;
@@ -11,7 +11,7 @@ use crate::reel::attributes::{MISSING, NormalGrid, offset_of};
 use glam::{DVec3, Vec3};
 use std::ops::Range;
 
-/// A radius of a cell's edge has this code; sixteen codes are an octave, and 0 is no radius.
+/// A radius of a cell's edge has this code; sixteen codes are an octave, and 0 means no radius.
 const RADIUS_OF_EDGE: f64 = 128.0;
 const CODES_AN_OCTAVE: f64 = 16.0;
 
@@ -80,7 +80,7 @@ fn place(grid: &NormalGrid, bits: u8, normal: Vec3) -> [i16; 2] {
     }
 }
 
-/// Computes the mean of codes, of which 0 is none; for labels, the median.
+/// Computes the mean of codes, where 0 is none; for labels, the median.
 fn single_mean(codes: &mut [u16], is_label: bool) -> [u16; 1] {
     codes.sort_unstable();
     let none = codes.partition_point(|&code| code == 0);
@@ -228,7 +228,7 @@ impl<'a> PointValues<'a> {
 }
 
 impl Summaries {
-    /// Unit normals, none of which is rounded; none if there are none.
+    /// Unit normals, not rounded; none if there are none.
     pub(super) fn directions(&self) -> &[Vec3] {
         &self.normals
     }

@@ -1,4 +1,4 @@
-//! Attributes of a frame: level after level, then those of points.
+//! Attributes of a frame: level after level, then the points'.
 
 use super::levels::{Level, LevelValues, Pose};
 use super::parts::{Direction, Part};
@@ -29,7 +29,7 @@ pub(super) struct Kinds<'a> {
 }
 
 impl<'a> Kinds<'a> {
-    /// With so many single numbers.
+    /// With this number of single numbers.
     pub(super) fn of(levels: Vec<&'a mut LevelValues>, singles: usize) -> Self {
         let mut kinds = Self {
             colors: Vec::new(),
@@ -163,7 +163,7 @@ fn code_all_channels<'a, D: Direction, const N: usize>(
     part.close()
 }
 
-/// Normals, and behind those of the deepest level its offsets.
+/// Normals, and after those of the deepest level its offsets.
 fn code_shapes<D: Direction>(
     schema: &Schema,
     places: &[Place<'_>],

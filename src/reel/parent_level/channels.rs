@@ -1,13 +1,13 @@
-//! Colours and single numbers: interpolated between the parent and the nodes across its faces, and what the parent
-//! leaves to its children.
+//! Colours and single numbers: interpolated between the parent and the nodes across its faces, and the remainder that
+//! the parent leaves to its children.
 //!
-//! How it works: a child lies towards three faces of its parent. Its value is expected between that of the parent,
-//! which counts twice, and those of the nodes behind these faces, unless they differ so much that there must be an edge
-//! between. Where values are exact, or there is an edge, the mean of the family is the parent: what it would be off by
-//! is shared by the children that are left, so hardly anything is left to tell of the last one. (Elsewhere what each is
-//! rounded by would add up there: twice the bits for a smooth surface.) Later channels (green, red, blue) are predicted
-//! with what those before are off by, as colours change in brightness more than in hue. Interpolated values are in
-//! 60ths: the shares of two to five values are whole numbers.
+//! How it works: a child lies towards three faces of its parent. Its value is expected between the parent's, which
+//! counts twice, and those of the nodes behind these faces, unless they differ so much that there must be an edge
+//! between. Where values are exact, or there is an edge, the mean of the family is the parent: the remainder is shared
+//! by the children that are left, so hardly anything is left to code for the last one. (Elsewhere the rounding errors
+//! would add up there: twice the bits for a smooth surface.) Later channels (green, red, blue) are predicted with the
+//! errors of those before, as colours change in brightness more than in hue. Interpolated values are in 60ths: the
+//! shares of two to five values are whole numbers.
 //!
 //! With a step of 2 e + 1 no value is wrong by more than e, on any level, since everything is predicted from values as
 //! a decoder has them.
@@ -35,10 +35,10 @@ const EDGE: u8 = 1 << 7;
 /// Parts that values are interpolated in.
 const PARTS: i32 = 60;
 
-/// For each number of faces, what the sum of their values and twice the parent's is multiplied by.
+/// Factor of the sum of their values and twice the parent's, for each number of faces.
 const WEIGHTS: [u64; 4] = [30, 20, 15, 12];
 
-/// More children are not told apart.
+/// Higher numbers of children are not distinguished.
 const MAX_LEFT: usize = 255;
 
 /// 2¹⁶ divided by each number, rounded down.
@@ -54,12 +54,13 @@ const fn shares() -> [i64; MAX_LEFT + 1] {
     table
 }
 
-/// Upper limit of the remainder owed to the children left; what is left to very many points is not tracked beyond this.
+/// Upper limit of the remainder owed to the children left; the remainder of very many points is not tracked beyond
+/// this.
 const MAX_OWED: i32 = 1 << 30;
 
-/// Codes the values of a level, and leaves them as a decoder has them. Those of the level above are `parents`, as they
-/// are decoded. Values are at most `max`, 255 where there are three channels; none is wrong by more than half of
-/// `step`, which is odd.
+/// Codes the values of a level, and leaves them as a decoder has them. The decoded values of the level above are
+/// `parents`. Values are at most `max`, 255 where there are three channels; none is wrong by more than half of `step`,
+/// which is odd.
 #[inline(always)]
 pub(in crate::reel) fn code_channels<C: SymbolCoder, const N: usize>(
     coder: &mut C,
@@ -209,15 +210,15 @@ impl<const N: usize> Level<'_, N> {
             let octant = octants.trailing_zeros() as usize;
             octants &= octants.wrapping_sub(1);
             // Faces only: also across edges and corners, a model without rounding took a third fewer bits for the
-            // colours of the torus, and 1 % more for those of the walking man.
+            // colours of the torus, and 1 % more for the walking man's.
             let [a, b, c] = across(octant).map(|face| beyond[face]);
             let count = (u32::from(near) & across_bits(octant)).count_ones() as usize;
             Some((2 * parent + a + b + c) * WEIGHTS[count])
         });
         let lanes = |word| std::array::from_fn(|channel| Lanes::<N>::get(word, channel));
         // Only in these cases. Distributed elsewhere, the rounding errors of values add up: 5.5 instead of 2.5 bits per
-        // point for the colours of the torus (steps of 5). Not distributed at edges either, those of the walking man
-        // took 7.2 instead of 6.7.
+        // point for the colours of the torus (steps of 5). Not distributed at edges either, the walking man's took 7.2
+        // instead of 6.7.
         if self.is_exact() || near & EDGE != 0 {
             let mut all = [[0; N]; 8];
             let mut owed = lanes(parent).map(|own: i32| PARTS * own * family.count as i32);
@@ -233,7 +234,7 @@ impl<const N: usize> Level<'_, N> {
         }
     }
 
-    /// Codes points: nothing is known of where they are.
+    /// Codes points, whose positions are unknown.
     #[inline(always)]
     fn code_points<C: SymbolCoder>(&self, coder: &mut C, parent: u64, points: &mut [[u16; N]], symbols: &mut [u8]) {
         let between = std::array::from_fn(|channel| PARTS * Lanes::<N>::get(parent, channel));
@@ -252,7 +253,7 @@ impl<const N: usize> Level<'_, N> {
         self.step == 1
     }
 
-    /// Codes a family of which the values `between` are expected, each with its share of what is owed to those left.
+    /// Codes a family with the expected values `between`, each with its share of the remainder.
     #[inline(always)]
     fn tell_exactly<C: SymbolCoder>(
         &self,
@@ -276,7 +277,7 @@ impl<const N: usize> Level<'_, N> {
         }
     }
 
-    /// Codes a node of which a value is expected, in parts.
+    /// Codes a node with an expected value, in parts.
     #[inline(always)]
     fn tell<C: SymbolCoder>(&self, coder: &mut C, value: &mut [u16; N], symbol: &mut u8, expected: [i32; N]) {
         let mut steps: [i32; N] = if C::DECODES {

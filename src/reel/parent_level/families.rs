@@ -6,13 +6,13 @@ use crate::reel::tree::{Faces, NO_FACES};
 /// mean of them, such as the root, and points outside all cells.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::reel) enum Families<'a> {
-    /// By the masks of the parents.
+    /// Families by the masks of the parents.
     Masks(&'a [u8]),
-    /// By numbers, and how many are outside.
+    /// Families by their numbers of children, and the number of nodes outside.
     Counts(&'a [u32], usize),
 }
 
-/// Families, and what is known of their parents.
+/// Families, and the known data of their parents.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::reel) struct Above<'a> {
     pub(in crate::reel) families: Families<'a>,
@@ -27,7 +27,7 @@ pub(super) struct Family {
     pub(super) count: usize,
     /// Their octants; none of points.
     pub(super) mask: u8,
-    /// The parent is no mean of them.
+    /// The parent is not their mean.
     pub(super) is_outside: bool,
 }
 

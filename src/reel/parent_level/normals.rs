@@ -1,18 +1,18 @@
 //! Normals as positions on the unfolded octahedron, coded as steps from a position interpolated between the parent's
 //! and those across its faces.
 //!
-//! How it works: positions are interpolated in 64ths of a third of a cell, so that even those of a smooth surface that
-//! is finely sampled are predicted, to half a cell. Then they are counted in half cells along the first axis, as the
-//! two triangles of a cell follow each other there, and in cells along the second one. Both wrap around at the border
-//! of the square, so every number is a position. A small step along both is one symbol. On finer grids the lowest bits
-//! of a step are written verbatim.
+//! How it works: positions are interpolated in 64ths of a third of a cell, so that even a finely sampled smooth surface
+//! is predicted, to half a cell. Then they are counted in half cells along the first axis, as the two triangles of a
+//! cell follow each other there, and in cells along the second one. Both wrap around at the border of the square, so
+//! every number is a position. A small step along both is one symbol. On finer grids the lowest bits of a step are
+//! written verbatim.
 
 use super::families::{Above, Families, Family, across, across_bits, of_counts, of_masks};
 use crate::reel::attributes::{MISSING, NormalGrid};
 use crate::reel::coder::SymbolCoder;
 use crate::reel::tree::{Faces, NONE};
 
-/// Classes of how far the parents around are apart; the last is that the parent has no normal.
+/// Classes of the spread of the parents around; the last is that the parent has no normal.
 const CLASSES: u8 = 8;
 const MAX_SPREAD: u8 = CLASSES - 2;
 
@@ -22,7 +22,7 @@ const OUTSIDE: u8 = 2 * CLASSES;
 /// Contexts of normals.
 pub(in crate::reel) const NORMAL_CONTEXTS: usize = OUTSIDE as usize + 1;
 
-/// Steps of at most so much are symbols, and so many of them along an axis.
+/// Maximum step that is a symbol, and the number of those along an axis.
 const MAX_STEP: i32 = 7;
 const STEPS: i32 = 2 * MAX_STEP + 1;
 
@@ -43,7 +43,8 @@ const fn steps() -> [[i8; 2]; 256] {
     table
 }
 
-/// A node across a face that is so far from the parent, in thirds of a cell of the coarsest grid, says nothing.
+/// A node across a face that is so far from the parent, in thirds of a cell of the coarsest grid, carries no
+/// information.
 const FAR: i32 = 18;
 
 /// Parts of a third that places are interpolated in, and of a cell.
@@ -53,13 +54,13 @@ const CELL: i32 = 3 * PARTS;
 /// Upper bound of the distance of any position from the centre, in cells.
 const OUTMOST: i32 = 1 << 9;
 
-/// For each number of faces, what the sum of their steps from the parent is multiplied by.
+/// Factor of the sum of their steps from the parent, for each number of faces.
 const WEIGHTS: [i32; 4] = [32, 21, 16, 13];
 
 /// Bits of a normal of the coarsest grid.
 const COARSEST_BITS: u8 = 13;
 
-/// A number around zero that is the same after so many steps, a power of two.
+/// A number around zero, modulo this number of steps, a power of two.
 #[inline(always)]
 fn around(number: i32, steps: i32) -> i32 {
     ((number + steps / 2) & (steps - 1)) - steps / 2
@@ -100,8 +101,8 @@ fn half_at([x, y]: [i32; 2]) -> [i32; 2] {
     [2 * u + i32::from(is_upper), v]
 }
 
-/// Codes the normals of a level, each a place of a grid of so many bits, or [`MISSING`]. Those of the level above are
-/// `parents`.
+/// Codes the normals of a level, each a position on a grid of this many bits, or [`MISSING`]. The normals of the level
+/// above are `parents`.
 #[inline(always)]
 pub(in crate::reel) fn code_normals<C: SymbolCoder>(
     coder: &mut C,
@@ -217,7 +218,7 @@ impl Level<'_> {
         *normal = place_of(is);
     }
 
-    /// The symbol of a normal; writes what it leaves open.
+    /// The symbol of a normal; writes the bits it leaves open.
     fn write<C: SymbolCoder>(&self, coder: &mut C, normal: [i16; 2], foreseen: [i32; 2]) -> u8 {
         if normal == MISSING {
             return NO_NORMAL;
@@ -239,7 +240,7 @@ impl Level<'_> {
         (steps[0] + MAX_STEP + STEPS * (steps[1] + MAX_STEP)) as u8
     }
 
-    /// All that is foreseen of a level.
+    /// All predictions of a level.
     #[inline(always)]
     fn foresee(&self, families: impl Iterator<Item = Family>, nodes: usize) -> Foreseen {
         let mut foreseen = Foreseen {

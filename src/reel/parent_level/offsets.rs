@@ -1,10 +1,10 @@
 //! Offsets along the normal, predicted from the surrounding cells and from the plane of the previous node in the
 //! family.
 //!
-//! How it works: cells are occupied where the surface is, so their centres lie around it. The mean of those that touch
-//! a cell, along its normal, is approximately on the surface; that is known before any offset is. The plane through the
-//! point of the previous node meets the line through the node's own centre at a position with three times the weight.
-//! Both together choose the table of a symbol.
+//! How it works: cells are occupied where the surface is, so their centres lie around it. The mean of the centres that
+//! touch a cell, along its normal, is approximately on the surface; it is known before any offset. The plane through
+//! the point of the previous node meets the line through the node's own centre at a position with three times the
+//! weight. Both together choose the table of a symbol.
 
 use super::families::{Above, Families};
 use super::steps_to::{BEYOND, WITHIN, sums};

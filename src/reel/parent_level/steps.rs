@@ -1,8 +1,8 @@
 //! Whole numbers of a node as one symbol, and bits that stand for themselves.
 //!
-//! How it works: of three channels the symbol says how many bits each number has; what these bits are, and the sign,
-//! is as likely one as the other. So one look-up tells what would take three, and numbers that are small together cost
-//! little together. Of a single channel the symbol is the number itself.
+//! How it works: for three channels the symbol gives the number of bits of each number; the bits themselves, and the
+//! sign, are equally likely either way. So one look-up replaces three, and numbers that are small together cost little
+//! together. For a single channel the symbol is the number itself.
 
 use crate::reel::coder::SymbolCoder;
 
@@ -65,7 +65,7 @@ pub(super) fn read<C: SymbolCoder, const N: usize>(coder: &mut C, symbol: u8) ->
     })
 }
 
-/// The symbol of steps; writes what it leaves open.
+/// The symbol of steps; writes the bits it leaves open.
 pub(super) fn write<C: SymbolCoder, const N: usize>(coder: &mut C, steps: [i32; N]) -> u8 {
     if N == 1 {
         let folded = (steps[0] << 1 ^ steps[0] >> 31) as u32;

@@ -71,7 +71,7 @@ const fn beyond() -> [[[u32; 256]; 3]; 8] {
     table
 }
 
-/// The sum of ways along each axis, and how many cells these are.
+/// The sum of steps along each axis, and the number of these cells.
 #[inline(always)]
 pub(super) fn sums(steps_to: u32) -> ([i32; 3], i32) {
     let [x, y, z, count] = steps_to.to_le_bytes().map(i32::from);

@@ -13,7 +13,7 @@ pub(super) const PATH: &str = "scans/walk.reel";
 /// Enough for any test.
 pub(super) const MEMORY: u64 = 1 << 32;
 
-/// A file of these clouds, in groups as the options say.
+/// A file of these clouds, in groups by the options.
 pub(super) fn file_of(clouds: &[RawCloud], options: &ReelOptions) -> Vec<u8> {
     let mut writer = ReelWriter::new(Vec::new(), Path::new(PATH), options.clone()).unwrap();
     let names: Vec<String> = (0..clouds.len()).map(|index| format!("frame {index}")).collect();
@@ -44,7 +44,7 @@ pub(super) fn decoded(bytes: &[u8], index: usize, max_points: usize) -> DecodedF
     decoder(bytes).decode(index, max_points, &Progress::default()).unwrap()
 }
 
-/// Every attribute that there is, from a few random numbers a point.
+/// Every possible attribute, from a few random numbers per point.
 pub(super) fn with_attributes(positions: Positions, kinds: u8) -> RawCloud {
     let count = positions.len();
     let number = |point: usize, salt: u64| {

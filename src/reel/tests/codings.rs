@@ -6,7 +6,7 @@ use crate::progress::Progress;
 use crate::reel::{Coding, NewFrame, Precision, ReelOptions, StreamKind, encode_group};
 use proptest::prelude::*;
 
-/// Options without loss in what a coding decides, but for a precision.
+/// Options that are lossless as far as the coding decides, except for a precision.
 fn options(precision: Precision) -> ReelOptions {
     ReelOptions {
         precision,
@@ -118,7 +118,7 @@ proptest! {
     }
 }
 
-/// A solid of one colour takes hardly a bit, and is no bomb.
+/// A solid of one colour takes hardly a bit, and is not a bomb.
 #[test]
 fn uniform_clouds_are_small_and_round_trip() {
     let cells = (0..64u32 * 64 * 64).map(|cell| [cell & 63, cell >> 6 & 63, cell >> 12].map(|along| along as f32));
@@ -150,7 +150,7 @@ fn fast_files_do_not_depend_on_thread_count() {
     assert_eq!(with(1), with(4));
 }
 
-/// Each frame says how it is coded: groups of both are in one file.
+/// Each frame states its coding: groups of both are in one file.
 #[test]
 fn one_file_may_mix_both_codings() {
     let clouds = [surface(900, 0.0), surface(1600, 0.1)];
@@ -170,7 +170,7 @@ fn one_file_may_mix_both_codings() {
     assert!((0..2).all(|index| decoded(&bytes, index, usize::MAX).cloud == alone(index)));
 }
 
-/// Bits a point of a kind of stream.
+/// Bits per point of a kind of stream.
 fn bits_of(cloud: &RawCloud, options: &ReelOptions, kind: StreamKind) -> f64 {
     let file = open(&file_of(std::slice::from_ref(cloud), options)).unwrap();
     let frame = file.frame(0).unwrap();
@@ -191,7 +191,7 @@ fn slopes_take_few_bits() {
     assert!(near < 1.0, "{near}");
 }
 
-/// What has no siblings has what its parent has.
+/// A node without siblings has its parent's values.
 #[test]
 fn nodes_without_siblings_take_no_bits() {
     // A point far from all others is alone in its cell on every level but the first.

@@ -245,7 +245,7 @@ fn memory_is_limited() {
     ));
 }
 
-/// Recomputes every checksum of a file, so that what is behind them is reached.
+/// Recomputes every checksum of a file, so that the code behind them is reached.
 fn mended(mut bytes: Vec<u8>) -> Vec<u8> {
     let mut at = 12;
     while at + 28 <= bytes.len() && bytes[at..at + 4] == *b"\xf1rlc" {

@@ -1,4 +1,5 @@
-//! Frames that are told by the one before: within the same bounds, at any place of a sequence, and only where it saves.
+//! Frames encoded relative to the one before: within the same bounds, at any place of a sequence, and only where it
+//! saves.
 
 use super::clouds::{clouds, decoded, decoder, file_of, open, surface};
 use super::round_trip::check_attributes;
@@ -15,7 +16,7 @@ fn group_of(keyframes: u32) -> ReelOptions {
     }
 }
 
-/// Which frames of a file are told by the one before.
+/// The frames of a file that are encoded relative to the one before.
 fn inter_frames(bytes: &[u8]) -> Vec<bool> {
     let file = open(bytes).unwrap();
     let frames = (0..file.frame_count()).map(|index| file.frame(index).unwrap());
@@ -210,7 +211,7 @@ proptest! {
     }
 }
 
-/// The radius of a disk grows with those of the points that it stands for; other numbers change as they do.
+/// The radius of a disk grows with the radii of the points it stands for; other numbers change likewise.
 #[test]
 fn changing_radii_and_scalars_round_trip() {
     let with = |frame: u32| {
@@ -251,7 +252,7 @@ fn changing_radii_and_scalars_round_trip() {
     }
 }
 
-/// Normals that shake by less than is told stay where they are, and take no bit.
+/// Normals that shake by less than the precision stay unchanged, and take no bit.
 #[test]
 fn normals_that_hardly_turn_cost_nothing() {
     let body = surface(10_000, 0.0);

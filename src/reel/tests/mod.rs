@@ -1,4 +1,4 @@
-//! Whole files: what is written is read, and what is damaged is said.
+//! Whole files: written data is read back, and damage is reported.
 
 mod clouds;
 mod codings;

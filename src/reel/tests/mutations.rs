@@ -10,10 +10,10 @@ use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
-/// What a frame may take while it is decoded: mutations that claim more are refused.
+/// Memory limit of a frame while it is decoded: mutations that claim more are refused.
 const MEMORY: u64 = 1 << 25;
 
-/// Chunks of a file: what their headers say, and where their contents are.
+/// Chunks of a file: their headers, and the positions of their contents.
 fn chunks(bytes: &[u8]) -> Vec<(ChunkHeader, Range<usize>)> {
     let mut found = Vec::new();
     let mut offset = MAGIC_AND_VERSION_BYTES;
@@ -29,7 +29,7 @@ fn chunks(bytes: &[u8]) -> Vec<(ChunkHeader, Range<usize>)> {
     found
 }
 
-/// Makes checksums those of the bytes: of the chunks as they were before `bytes` were changed.
+/// Recomputes the checksums of the bytes: of the chunks as they were before `bytes` were changed.
 fn repair(bytes: &mut [u8], chunks: &[(ChunkHeader, Range<usize>)]) {
     for (header, contents) in chunks {
         let checked = contents.start..(contents.start + header.checked_len as usize).min(contents.end);
@@ -42,7 +42,7 @@ fn repair(bytes: &mut [u8], chunks: &[(ChunkHeader, Range<usize>)]) {
                 section.crc = crc32fast::hash(&data[start..start + section.bytes() as usize]);
             }
             let repaired = directory.to_bytes();
-            // The same number can be written in more than one way.
+            // A number can be written in more than one way.
             if repaired.len() == checked.len() {
                 bytes[checked.clone()].copy_from_slice(&repaired);
             }
@@ -97,7 +97,7 @@ fn mutated_files_with_valid_checksums_are_rejected_or_drawn() {
         assert_eq!(decode_all(whole.clone()), 3);
         for _ in 0..150 {
             let mut bytes = whole.clone();
-            // Mostly in the metadata: that determines what is allocated.
+            // Mostly in the metadata: that determines allocations.
             let (header, contents) = &chunks[random.next_bits() as usize % chunks.len()];
             let range = match random.next_bits() % 4 {
                 0 => contents.clone(),

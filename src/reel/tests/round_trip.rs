@@ -1,4 +1,4 @@
-//! What is written is read: every bit of it, or within what was asked for.
+//! Written data is read back: every bit of it, or within the requested precision.
 
 use super::clouds::{clouds, decoded, decoder, file_of, open, surface, with_attributes};
 use crate::cloud::{Frame, Positions, RawCloud, largest_normal_error};
@@ -62,7 +62,7 @@ fn names(cloud: &RawCloud) -> Vec<(String, u64)> {
         .collect()
 }
 
-/// The precision of floats that are as large as those of a cloud.
+/// The precision of floats that are as large as a cloud's.
 fn rounding(cloud: &RawCloud) -> f64 {
     let largest = (0..cloud.positions.len())
         .map(|point| cloud.positions.get(point).abs().max_element())
@@ -134,7 +134,7 @@ proptest! {
         prop_assert_eq!(read, cells);
     }
 
-    /// Whatever a cloud is, each of its points is near one that was kept, and nothing else is there.
+    /// For any cloud, each of its points is near a stored one, and nothing else is there.
     #[test]
     fn merged_points_represent_all_points(cloud in clouds()) {
         let frame = decoded(&file_of(std::slice::from_ref(&cloud), &ReelOptions::merged()), 0, usize::MAX);
@@ -283,7 +283,7 @@ fn colors_of_a_level_are_means_of_the_level_below() {
 }
 
 /// So they are about those of the points, where no cell of few counts as much as others: the cube of merged points is
-/// divided evenly, and that of points that are kept one by one is as large as their precision asks for.
+/// divided evenly, and the cube of individually stored points is as large as their precision requires.
 #[test]
 fn coarse_colors_are_means() {
     let cloud = surface(10_000, 0.0);
@@ -388,8 +388,8 @@ fn frames_can_be_read_in_any_order() {
     }
 }
 
-/// Coordinates that were a text once take the bits of their digits, and come back to the last bit; so do those of a
-/// few points that have more digits.
+/// Coordinates that were a text once take the bits of their digits, and come back to the last bit; so do the
+/// coordinates of a few points that have more digits.
 #[test]
 fn coordinates_in_thousandths_take_fewer_bits() {
     let exact = surface(20_000, 0.0);

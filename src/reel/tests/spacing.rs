@@ -9,8 +9,8 @@ use proptest::prelude::*;
 /// Neighbourhoods that a spacing may be the median of.
 const NEIGHBOURHOODS: [usize; 3] = [5, 8, 12];
 
-/// The median distance to the nearest other position among the points around each point; infinity where there is no
-/// other position. By comparing all with all.
+/// The median distance to the nearest other position among the points around each point; infinity without another
+/// position. Computed by comparing all with all.
 fn spacings(positions: &[DVec3], around: usize) -> Vec<f64> {
     let mut distinct = positions.to_vec();
     distinct.sort_by(|a, b| a.to_array().partial_cmp(&b.to_array()).unwrap());
@@ -44,7 +44,7 @@ fn positions(cloud: &RawCloud) -> Vec<DVec3> {
         .collect()
 }
 
-/// Where the points of `frames` are in a file, in the order in which they were written.
+/// Positions of the points of `frames` in a file, in the order in which they were written.
 fn retained(frames: &[RawCloud], coding: Coding) -> (Vec<Vec<DVec3>>, Vec<u8>) {
     let options = ReelOptions {
         keep_order: true,
@@ -132,7 +132,7 @@ proptest! {
         check(&[cloud], if is_fast { Coding::Fast } else { Coding::Compact })?;
     }
 
-    /// Frames that are told by the one before as well.
+    /// Frames encoded relative to the one before as well.
     #[test]
     fn every_point_stays_in_place_in_every_frame(cloud in any_cloud(), step in unit_cube(), angle in -0.1f64..0.1) {
         let (_, bounds) = cloud.positions.finite_bounds();
@@ -188,6 +188,6 @@ fn uneven_clouds_take_the_bits_of_each_part() {
     };
     let (even, uneven) = (bits([1.0, 1.0]), bits([1.0, 100.0]));
     // In a cube a hundred times as large the dense half takes 3 log2(100) = 20 bits more per point, which are 10 on
-    // average over all points. The sparse half would take as many more if it had the bits of the dense one.
+    // average over all points. The sparse half would take the same number more if it had the bits of the dense one.
     assert!(uneven < even + 10.5, "{uneven} bits per point, {even} where it is even");
 }

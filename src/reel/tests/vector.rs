@@ -1,4 +1,4 @@
-//! The examples of `docs/reel.md`: what was written once is read as it was, and written again as the same bytes.
+//! The examples of `docs/reel.md`: stored bytes are read unchanged, and written again as the same bytes.
 
 use super::clouds::{decoded, file_of};
 use crate::cloud::{Positions, RawCloud};
@@ -12,7 +12,7 @@ const VECTORS: [(Coding, &[u8]); 2] = [
 /// As the fast coding was written before version 3.1.
 const FAST_3_0: &[u8] = include_bytes!("vector_fast_3_0.reel");
 
-/// Seven corners of a cube, and its middle.
+/// Seven corners of a cube, and its centre.
 fn cloud() -> RawCloud {
     let corner = |corner: u8| [0, 1, 2].map(|axis| if corner >> axis & 1 == 0 { 0.0 } else { 7.0 });
     let positions: Vec<[f32; 3]> = (0..7).map(corner).chain([[3.0, 4.0, 3.0]]).collect();
@@ -68,7 +68,7 @@ fn is_read(bytes: &[u8]) {
     assert_eq!(rows.len(), 8);
 }
 
-/// What is behind the head, which names the version of the program.
+/// The contents after the head, which names the version of the program.
 #[test]
 fn the_example_files_are_reproduced_byte_for_byte() {
     let group_of = |bytes: &[u8]| {

@@ -3,7 +3,7 @@
 
 use super::links::NONE;
 
-/// The nodes across the faces of a node, below and above along x, along y, along z; [`NONE`] where nobody is.
+/// The nodes across the faces of a node, below and above along x, along y, along z; [`NONE`] where there is no node.
 pub(in crate::reel) type Faces = [u32; 6];
 
 /// Face neighbours of the root: none.

@@ -9,7 +9,7 @@ pub(in crate::reel) const NONE: u32 = u32::MAX;
 /// Neighbours of a node by direction, with the node itself at the centre.
 pub(in crate::reel) type Neighbours = [u32; DIRECTIONS];
 
-/// A level of which the nodes below are asked.
+/// A level whose child nodes are queried.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::reel) struct Links<'a> {
     /// For each node.
@@ -28,7 +28,7 @@ pub(in crate::reel) const ALONE: Neighbours = {
 };
 
 impl Links<'_> {
-    /// The cells of the level below around those of a node, as a window.
+    /// The cells of the level below around a node's, as a window.
     #[inline(always)]
     pub(in crate::reel) fn window(&self, node: usize) -> u64 {
         self.window_of(node, NONE)

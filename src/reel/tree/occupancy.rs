@@ -1,6 +1,6 @@
-//! The masks of a level, each bit by what is known around its cell.
+//! The masks of a level, each bit by the known cells around its own.
 //!
-//! How it works: masks come in Morton order. When bit *j* of a node is coded, all nodes of its level are known, and of
+//! How it works: masks come in Morton order. When bit *j* of a node is coded, all nodes of its level are known, and in
 //! the level below the cells of all nodes before it and of its own octants before *j*. Two models look at that from
 //! different sides, and a mixer weighs them:
 //!
@@ -28,7 +28,7 @@ use std::ops::Range;
 const FACES_MODELS: usize = 1 << 16;
 const OUTER_MODELS: usize = 1 << 16;
 
-/// Adaptive models of occupancy masks, given what surrounds them.
+/// Adaptive models of occupancy masks, given their surroundings.
 #[derive(Debug, Clone)]
 pub(in crate::reel) struct OccupancyModels {
     faces: Box<[BitModel; FACES_MODELS]>,
@@ -60,10 +60,10 @@ fn new_models<const COUNT: usize>() -> Box<[BitModel; COUNT]> {
 const NODES_PER_PART: usize = 1 << 16;
 const MAX_PARTS: usize = 8;
 
-/// Nodes of which a part has two halves.
+/// Number of nodes from which a part has two halves.
 const NODES_OF_HALVES: usize = 1 << 10;
 
-/// Coders of the masks of a level of so many nodes: one for each half of each part, or a single one.
+/// Coders of the masks of a level with this number of nodes: one for each half of each part, or a single one.
 pub(in crate::reel) fn coders_of(nodes: usize) -> usize {
     if nodes < NODES_OF_HALVES {
         1
@@ -72,9 +72,9 @@ pub(in crate::reel) fn coders_of(nodes: usize) -> usize {
     }
 }
 
-/// Codes the masks of a level, of which the nodes above are `links`, each half of a part by a coder of its own, and
-/// hands over the neighbours of its nodes, if they are wanted. Models go on from those of the level above.
-/// Precondition: as many masks as there are nodes.
+/// Codes the masks of a level, with `links` as the nodes above, each half of a part by a coder of its own, and hands
+/// over the neighbours of its nodes, if wanted. Models continue those of the level above. Precondition: one mask per
+/// node.
 pub(in crate::reel) fn code_masks<C: BitCoder + Send>(
     coders: &mut [C],
     models: &mut Vec<OccupancyModels>,
@@ -108,9 +108,9 @@ pub(in crate::reel) fn code_masks<C: BitCoder + Send>(
 
 /// Codes both halves of a part, in turns, or the only one.
 ///
-/// A bit waits for the one before, as that may have seen the same models. Those of another octant are others. So one
-/// half is four octants behind the other, and a processor works at both. To the models that is as if the nodes of both
-/// halves came in turns.
+/// A bit waits for the one before, as that may have seen the same models. Another octant has other models. So one half
+/// is four octants behind the other, and the CPU works on both. To the models that is as if the nodes of both halves
+/// came in turns.
 #[inline(always)]
 fn code_part<C: BitCoder>(halves: &mut [Walk<'_, C>], models: &mut OccupancyModels) {
     let [first, second] = halves else {
@@ -279,7 +279,7 @@ impl Around {
     /// Codes the first four cells.
     #[inline(always)]
     fn code_lower<C: BitCoder>(&mut self, coder: &mut C, models: &mut OccupancyModels) {
-        // Separate code for each: what depends on the octant alone is computed by the compiler.
+        // Separate code for each: the compiler computes everything that depends on the octant alone.
         self.code_cell::<C, 0>(coder, models);
         self.code_cell::<C, 1>(coder, models);
         self.code_cell::<C, 2>(coder, models);

@@ -16,13 +16,13 @@ pub(in crate::reel) const CUBE_OF_27: u64 = 0x0777_0777_0777;
 /// Cells of [`CUBE_OF_27`] that share a face with the centre.
 pub(in crate::reel) const FACES: u64 = 1 << 5 | 1 << 17 | 1 << 20 | 1 << 22 | 1 << 25 | 1 << 37;
 
-/// Those that share a corner alone.
+/// Cells that share only a corner.
 pub(in crate::reel) const CORNERS: u64 = 0x0505_0000_0505;
 
 /// Centre cell itself.
 pub(in crate::reel) const SELF: u64 = 1 << 21;
 
-/// Those that share an edge alone.
+/// Cells that share only an edge.
 pub(in crate::reel) const EDGES: u64 = CUBE_OF_27 & !(FACES | CORNERS | SELF);
 
 /// `PLACED[d][m]`: the cells of a mask of the node in direction `d` that are in the window.
@@ -99,8 +99,7 @@ pub(in crate::reel) const fn around(window: u64, octant: usize) -> u64 {
     window >> shift_of(octant) & CUBE_OF_27
 }
 
-/// The window of the level below around a node, of which a cell is set where the node that it is in is among the 27
-/// around.
+/// The window of the level below around a node; a cell is set if its node is among the 27 around.
 #[inline(always)]
 pub(in crate::reel) const fn refined(around: u64) -> u64 {
     // Columns 0, 1, 2 become 0, 1 and 2, 3; then rows, then planes.

@@ -11,7 +11,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Most records of a block.
+/// Maximum number of records of a block.
 pub(super) const BLOCK: usize = 64;
 
 /// Blocks that are worth handing to another thread.

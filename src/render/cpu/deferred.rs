@@ -1,5 +1,5 @@
-//! Deferred shading on the processor (`shaders/passes/shade.wgsl`): light falls on eight pixels of a tile at a time,
-//! when its surface is blended. The lights: `scene/light/lights.rs`.
+//! Deferred shading on the CPU (`shaders/passes/shade.wgsl`): eight pixels of a tile are lit at a time, when its
+//! surface is blended. The lights: `scene/light/lights.rs`.
 
 use super::eight::{Vectors, lane_numbers};
 use super::illumination::{Illumination, Lit, ShadedLamp};
@@ -14,13 +14,13 @@ use glam::Vec3;
 pub(super) struct Surface<S: Simd> {
     /// Display-referred red, green and blue, 0 to 1.
     pub(super) albedo: [f32x8<S>; 3],
-    /// In view space, of any length; of none where nobody knows it.
+    /// In view space, of any length; zero where unknown.
     pub(super) normal: Vectors<S>,
     /// Reversed.
     pub(super) depth: f32x8<S>,
 }
 
-/// Linear light on eight pixels: what their colours are multiplied with, and what is added.
+/// Linear light on eight pixels: the factors on their colours, and the summands.
 struct Light<S: Simd> {
     diffuse: [f32x8<S>; 3],
     specular: [f32x8<S>; 3],
@@ -86,7 +86,8 @@ pub(super) fn shade<S: Simd>(
     ]
 }
 
-/// All lights together, after Lambert and Blinn 1977; `facing` is the cosine between the normal and the way to the eye.
+/// All lights together, after Lambert and Blinn 1977; `facing` is the cosine between the normal and the direction to
+/// the eye.
 #[inline(always)]
 fn light_on<S: Simd>(simd: S, illumination: &Illumination<'_>, lit: &Lit<S>, facing: f32x8<S>) -> Light<S> {
     let lights = &illumination.lights;

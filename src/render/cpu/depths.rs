@@ -1,4 +1,4 @@
-//! Depths alone of what a packet shows.
+//! Depths alone of a packet's surface.
 
 use super::blocks::Blocks;
 use super::primitives::Drawable;

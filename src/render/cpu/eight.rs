@@ -1,4 +1,4 @@
-//! Eight records at a time: what is worked out for each, one record to a lane of the processor's registers.
+//! Eight records at a time: computed for each, one record per lane of the CPU's registers.
 
 use super::view::{PixelRect, PixelView};
 use bytemuck::Pod;

@@ -1,11 +1,11 @@
 //! Splats filtered to the pixels they are seen in, eight at a time (`shaders/primitives/filtered_by_ewa.wgsl`).
 //!
 //! How it works: EWA filtering in object space (Ren et al. 2002). The Gaussian of a splat with the half edges `u` and
-//! `v`, as large as its mask, is convolved with that of a pixel. With J, the pixels along `u` and `v`, the sum of both
+//! `v`, as large as its mask, is convolved with a pixel's. With J, the pixels along `u` and `v`, the sum of both
 //! variances in the plane of the splat is, in units of the splat's own, `A = I + r²·(JᵀJ)⁻¹`, where r is the radius in
-//! pixels of the splat that a point becomes. The new half edges are `(u v)·√A`: the symmetric root of two rows,
-//! `(A + s·I)/√(trace A + 2s)` with `s = √det A`, needs no eigenvectors. The mask of the filtered splat is `1/s` times
-//! as high, so that it adds as much to the picture as before.
+//! pixels of the splat that a point becomes. The new half edges are `(u v)·√A`: the symmetric root of two rows, `(A +
+//! s·I)/√(trace A + 2s)` with `s = √det A`, needs no eigenvectors. The mask of the filtered splat is `1/s` times as
+//! high, so that it adds as much to the image as before.
 
 use super::eight::Vectors;
 use super::view::PixelView;
@@ -32,7 +32,7 @@ pub(super) struct OnScreen<S: Simd> {
     /// J: pixels to the right and down along both half edges.
     u: [f32x8<S>; 2],
     v: [f32x8<S>; 2],
-    /// `JᵀJ`, and at least that of splats which are seen almost edge-on.
+    /// `JᵀJ`, at least the value of splats seen almost edge-on.
     uu: f32x8<S>,
     uv: f32x8<S>,
     vv: f32x8<S>,

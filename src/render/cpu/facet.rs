@@ -86,8 +86,8 @@ impl Facet {
 }
 
 impl Facets {
-    /// Patches on the screen. Of some nothing can be seen: where `are_asked` says so, behind the eye, outside of
-    /// `clip`, edge on, turned away if those are culled, or of no size or one that is no number.
+    /// Patches on the screen. Some cannot be seen: if `are_asked` says so, behind the eye, outside `clip`, edge-on,
+    /// turned away if those are culled, or of zero or NaN size.
     ///
     /// A function of its own for the sake of the compiler; its registers go through memory once for eight patches.
     #[inline(never)]
@@ -162,8 +162,8 @@ impl Facets {
     }
 }
 
-/// `vector · ray` as functions of pixels, where the ray through a pixel has z = −1: what x and y are multiplied with,
-/// and the value where both are 0.
+/// `vector · ray` as functions of pixels, where the ray through a pixel has z = −1: the factors of x and y, and the
+/// value where both are 0.
 #[inline(always)]
 fn along_rays<S: Simd>(view: &PixelView, vectors: Vectors<S>) -> [f32x8<S>; 3] {
     let per_x = vectors.x * (1.0 / view.px_per_slope[0]);
@@ -172,8 +172,8 @@ fn along_rays<S: Simd>(view: &PixelView, vectors: Vectors<S>) -> [f32x8<S>; 3] {
     [per_x, per_y, -vectors.z - to_center]
 }
 
-/// Computes the pixel bounds that patches may cover: left, top, right, bottom. `vectors` are `c, u, v`; `rows` what
-/// rays are multiplied with to give P, Q and W, with either sign.
+/// Computes the pixel bounds that patches may cover: left, top, right, bottom. `vectors` are `c, u, v`; `rows` the
+/// factors on rays that give P, Q and W, with either sign.
 #[inline(always)]
 fn bounds<S: Simd>(
     simd: S,
@@ -186,7 +186,7 @@ fn bounds<S: Simd>(
         view, clip, outline, ..
     } = *canvas;
     let zero = f32x8::splat(simd, 0.0);
-    // Half the depth of a parallelogram; that of a disk is less.
+    // Half the depth of a parallelogram; a disk's is less.
     let half_depth = u.z.abs() + v.z.abs();
     let is_behind = (half_depth - c.z).simd_lt(near);
     // The bounds computed here are invalid where a patch extends behind the eye.

@@ -1,4 +1,4 @@
-//! From the pixels of a tile to bytes of the picture: background, resolve and the grey of depths (`shaders/passes`).
+//! From the pixels of a tile to bytes of the image: background, resolve and the grey of depths (`shaders/passes`).
 
 use super::deferred::{Surface, shade};
 use super::eight::Vectors;
@@ -79,7 +79,7 @@ impl Finish<'_> {
 }
 
 impl Tile {
-    /// Clears what will be drawn to.
+    /// Clears the buffers that will be drawn to.
     pub(super) fn begin(&mut self, origin: [i32; 2], held: Held, gradient: &Gradient) {
         self.origin = origin;
         match held {
@@ -116,7 +116,7 @@ impl Tile {
         }
     }
 
-    /// Writes its pixels to their places in the rows of the picture that it is in.
+    /// Writes its pixels to their places in its rows of the image.
     #[inline(always)]
     pub(super) fn write<S: Simd>(&self, simd: S, finish: &Finish<'_>, rows: &mut TileRow<'_>) {
         let held = finish.held;
@@ -164,7 +164,7 @@ impl Tile {
         }
     }
 
-    /// Writes reversed depths of the blended surface of a row: those that hide what is behind are pushed back.
+    /// Writes reversed depths of the blended surface of a row: occluding ones are pushed back.
     #[inline(always)]
     fn write_surface_depths(&self, row: usize, depths: &mut [f32]) {
         let first = WIDTH * row;
@@ -210,7 +210,7 @@ impl Tile {
             Held::Keys => {
                 let empty = opaque(simd, background)[0];
                 for (pixel, &key) in pixels.iter_mut().zip(&self.keys[first..]) {
-                    // Points are opaque, whatever their fourth byte is.
+                    // Points are opaque, regardless of their fourth byte.
                     let color = key as u32 | OPAQUE_ALPHA;
                     *pixel = if key == 0 { empty } else { color }.to_le_bytes();
                 }
@@ -242,7 +242,7 @@ impl Tile {
                 |place| {
                     let weight = load(simd, &self.weight, first + place);
                     let opacity = (weight * (1.0 / opaque_weight)).min(splat(1.0));
-                    // Zero where there is no weight: sums are 0 then.
+                    // Zero without weight: sums are 0 then.
                     let share = opacity / weight.max(splat(f32::MIN_POSITIVE));
                     let shows_through = 1.0 - opacity;
                     let sums = load_colors(simd, &self.colors, first + place);
@@ -272,7 +272,7 @@ impl Tile {
                             y: load(simd, y, first + place),
                             z: load(simd, z, first + place),
                         },
-                        // Blended like normals: those of `Tile::depth` are pushed back by a splat radius.
+                        // Blended like normals: the depths of `Tile::depth` are pushed back by a splat radius.
                         depth: load(simd, depth, first + place) * per_weight,
                     };
                     let pixel = [self.origin[0] + place as i32, self.origin[1] + row as i32];
@@ -325,7 +325,7 @@ fn select<S: Simd>(simd: S, mask: mask32x8<S>, yes: [f32x8<S>; 3], no: [f32x8<S>
     ]
 }
 
-/// Colours over what is behind them.
+/// Colours over the background colours behind them.
 #[inline(always)]
 fn over<S: Simd>(simd: S, colors: [f32x8<S>; 3], opacity: f32x8<S>, behind: [f32x8<S>; 3]) -> [f32x8<S>; 3] {
     let shows_through = f32x8::splat(simd, 1.0) - opacity;
@@ -336,7 +336,7 @@ fn over<S: Simd>(simd: S, colors: [f32x8<S>; 3], opacity: f32x8<S>, behind: [f32
     ]
 }
 
-/// As many zeros.
+/// The same number of zeros.
 fn clear<T: Copy + Default>(values: &mut Vec<T>, count: usize) {
     values.clear();
     values.resize(count, T::default());

@@ -1,7 +1,7 @@
 //! Upper bounds of the screen-space reach of splats from their centres: a splat that covers no pixel centre needs no
 //! patch.
 //!
-//! How it works: a splat is inside of the ball around it. Of a ball of radius ρ whose centre is seen at the distance d
+//! How it works: a splat is inside the ball around it. For a ball of radius ρ whose centre is seen at the distance d
 //! along the view axis, with the slopes s, no point is seen farther than `ρ·√(1 + s²)/(d − ρ)` from the centre, in
 //! slopes. So a splat covers no pixel if the nearest pixel centre is farther.
 //!
@@ -51,7 +51,7 @@ impl<S: Simd> Footprints<S> {
         !self.from_pixel2_px.simd_gt(reach_px * reach_px)
     }
 
-    /// Those that reach no farther than so many pixels.
+    /// Splats that reach no farther than this many pixels.
     #[inline(always)]
     pub(super) fn are_within(&self, simd: S, px: f32) -> mask32x8<S> {
         self.reach_px.simd_le(f32x8::splat(simd, px))
@@ -77,7 +77,7 @@ mod tests {
 
     const SIZE_PX: [u32; 2] = [64, 48];
 
-    /// Whether a splat may cover the middle of a pixel, and whether it is within so many pixels.
+    /// Returns true if a splat may cover the centre of a pixel, and true if it is within this many pixels.
     fn footprint(view: &PixelView, center: Vec3, reach: f32, within_px: f32) -> (bool, bool) {
         dispatch!(Level::new(), simd => {
             let footprints = Footprints::of(simd, view, Vectors::splat(simd, center), f32x8::splat(simd, reach));

@@ -1,5 +1,4 @@
-//! Illumination of surfaces, eight pixels at a time: which surfaces light falls on, and from where; shared by the
-//! shading models.
+//! Illumination of surfaces, eight pixels at a time: the lit surfaces, and the lamps; shared by the shading models.
 
 use super::eight::Vectors;
 use super::photos::Projected;
@@ -8,7 +7,7 @@ use crate::render::effects::shadow::cpu::ShadowMap;
 use crate::scene::{Lamp, Lights, PhysicalLight};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
 
-/// Light that falls on surfaces, and what blocks it.
+/// Light that falls on surfaces, and its occluders.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Illumination<'a> {
     pub(super) lights: Lights,
@@ -35,14 +34,14 @@ impl Illumination<'_> {
     }
 }
 
-/// A lamp that shines, with what keeps its light away.
+/// A lamp that shines, with its occlusion.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ShadedLamp<'a> {
     pub(super) lamp: &'a Lamp,
     pub(super) shadow: Option<&'a ShadowMap<'a>>,
 }
 
-/// Eight pixels with what their light depends on, in view space; directions have unit length.
+/// Eight pixels with the inputs of their lighting, in view space; directions have unit length.
 pub(super) struct Lit<S: Simd> {
     /// Towards the eye.
     pub(super) normal: Vectors<S>,
@@ -50,7 +49,7 @@ pub(super) struct Lit<S: Simd> {
     pub(super) position: Vectors<S>,
 }
 
-/// The way to a lamp.
+/// The direction to a lamp.
 pub(super) struct Toward<S: Simd> {
     pub(super) to_lamp: Vectors<S>,
     /// Its cosine with the normal; 0 from behind.

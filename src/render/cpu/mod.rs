@@ -1,14 +1,13 @@
-//! The software renderer: the passes of `render/gpu` on the processor, for machines without a GPU.
+//! The software renderer: the passes of `render/gpu` on the CPU, for machines without a GPU.
 //!
-//! How it works: the picture is divided into tiles whose pixels stay in the second cache while everything that may
-//! touch them is drawn (`blocks.rs`), pass after pass, and are then written to the picture once. Bands of tiles are
-//! tasks that share nothing, so there are no locks and no atomic operations, and pictures do not depend on the number
-//! of threads. Patches are affine functions of pixels (`facet.rs`), evaluated eight at a time (`raster.rs`). What looks
-//! beyond a tile, as eye-dome lighting does, follows when all of them are drawn (`screen.rs`); depths that light
-//! depends on are drawn before (`effects/ambient_occlusion`, `effects/shadow`).
+//! How it works: the image is divided into tiles whose pixels stay in the second cache while everything that may touch
+//! them is drawn (`blocks.rs`), pass after pass, and are then written to the image once. Bands of tiles are tasks that
+//! share nothing, so there are no locks and no atomic operations, and images do not depend on the number of threads.
+//! Patches are affine functions of pixels (`facet.rs`), evaluated eight at a time (`raster.rs`). Steps that look beyond
+//! a tile, such as eye-dome lighting, follow when all of them are drawn (`screen.rs`); depths that light depends on are
+//! drawn before (`effects/ambient_occlusion`, `effects/shadow`).
 //!
-//! Modes, lights and background are those of the shaders; `tests/pictures/cpu_renderer.rs` holds the two against each
-//! other.
+//! Modes, lights and background match the shaders'; `tests/pictures/cpu_renderer.rs` compares the two.
 
 mod blocks;
 mod deferred;
@@ -61,22 +60,22 @@ use rows::{TileRow, bands_of};
 use screen::Screen;
 use std::time::Instant;
 
-/// Draws on the processor.
+/// Draws on the CPU.
 #[derive(Debug, Default)]
 pub struct CpuRenderer {
     prepared: Option<ScenePacket>,
     drawn: Option<ScenePacket>,
     gathered: Gathered,
-    /// Boxes around what the prepared packet draws, made for the records of this one.
+    /// Boxes around the records of the prepared packet, made for these records.
     blocks: Option<(Content, Blocks)>,
     image: RgbaImage,
-    /// The picture that antialiasing makes of it; empty where there is none.
+    /// The antialiased image made from it; empty without antialiasing.
     smooth: RgbaImage,
-    /// Reversed depths of the picture, where something follows that needs them.
+    /// Reversed depths of the image, if a later step needs them.
     depths: Vec<f32>,
     /// Reversed depths drawn before the image, if light depends on them.
     occluders: Vec<f32>,
-    /// The depths that the key light sees, and what they were drawn from.
+    /// The depths that the key light sees, and their inputs.
     shadow_map: Option<(ScenePacket, Vec<f32>)>,
     /// Depth maps seen from the posed images.
     photo_depths: KnownDepths,
@@ -86,7 +85,7 @@ pub struct CpuRenderer {
 }
 
 impl CpuRenderer {
-    /// Longest edge of a picture: as that of textures of most GPUs.
+    /// Longest edge of an image: as for textures of most GPUs.
     pub const MAX_EDGE_PX: u32 = 32_768;
 
     /// A renderer that has drawn nothing.
@@ -94,14 +93,14 @@ impl CpuRenderer {
         Self::default()
     }
 
-    /// Forgets what was drawn, so that the same packet is drawn again: benchmarks measure that.
+    /// Discards the drawn image, so that the same packet is drawn again, for benchmarks.
     pub fn invalidate(&mut self) {
         self.drawn = None;
     }
 
-    /// The depth of what the prepared packet's picture shows, drawn apart: of surfels blended in two passes that of the
-    /// nearest disk, without the slack that lets them blend. [`Splatting::NoDepth`](crate::scene::Splatting::NoDepth)
-    /// shows no surface in particular: infinite everywhere.
+    /// The depth of the surface in the prepared packet's image, drawn separately: for surfels blended in two passes,
+    /// the depth of the nearest disk, without the slack that lets them blend.
+    /// [`Splatting::NoDepth`](crate::scene::Splatting::NoDepth) shows no surface in particular: infinite everywhere.
     pub fn draw_depths(&mut self) -> Result<DepthImage, RenderError> {
         let (Some(packet), Some((_, blocks))) = (&self.prepared, &self.blocks) else {
             return Err(RenderError::NothingPrepared);
@@ -113,7 +112,7 @@ impl CpuRenderer {
         })
     }
 
-    /// The last picture.
+    /// The last image.
     pub fn image(&self) -> &RgbaImage {
         if self.smooth.is_empty() {
             &self.image
@@ -189,7 +188,7 @@ impl CpuRenderer {
         Ok(())
     }
 
-    /// Makes the picture that is shown of the one that was drawn.
+    /// Makes the image shown from the drawn one.
     fn antialias(&mut self, packet: &ScenePacket) {
         let mut steps = effects::of_stage(packet, Stage::Shown);
         let step = steps.find_map(|effect| match effect.on_cpu {

@@ -34,7 +34,7 @@ fn longer_half_axes<S: Simd>(simd: S, ratios: f32x8<S>) -> f32x8<S> {
     (2.0 / ratios.mul_add(ratios, f32x8::splat(simd, 1.0))).sqrt()
 }
 
-/// The low half is the ratio, of which circles have none: no ellipse is so thin that it is 0.
+/// The low half is the ratio, 0 for circles: no ellipse is so thin that it is 0.
 #[inline(always)]
 fn ratios_of<S: Simd>(simd: S, packed: i32x8<S>) -> f32x8<S> {
     let ratios = share(simd, packed);

@@ -1,4 +1,4 @@
-//! The loop over the tiles of a picture, the same for whatever is drawn into them.
+//! The loop over the tiles of an image, the same for everything drawn into them.
 
 use super::finish::{Finish, Held};
 use super::illumination::Illumination;
@@ -16,7 +16,7 @@ pub(super) trait InTiles: Sync {
     /// Scratch memory that a thread keeps from tile to tile.
     type Scratch: Default;
 
-    /// Draws what touches the tile of this number, within `clip`. The tile is cleared already.
+    /// Draws the records that touch the tile of this number, within `clip`. The tile is cleared already.
     fn draw<S: Simd>(&self, simd: S, tile: &mut Tile, clip: PixelRect, number: usize, scratch: &mut Self::Scratch);
 }
 
@@ -44,7 +44,7 @@ impl<'a> Painter<'a> {
         &self.finish.view
     }
 
-    /// Draws every tile, and writes it to its place in its row of the picture.
+    /// Draws every tile, and writes it to its place in its row of the image.
     pub(super) fn paint<T: InTiles>(&self, content: &T, bands: Vec<TileRow<'_>>) {
         let level = Level::new();
         bands.into_par_iter().enumerate().for_each_init(
@@ -108,7 +108,7 @@ fn look_at_tile<S: Simd>(
     );
 }
 
-/// Writes the pixels of a tile to the picture. All light falls here: compiled once, and not for each primitive.
+/// Writes the pixels of a tile to the image. All lighting is computed here: compiled once, and not for each primitive.
 #[inline(never)]
 fn finish_tile<S: Simd>(simd: S, tile: &Tile, finish: &Finish<'_>, rows: &mut TileRow<'_>) {
     simd.vectorize(

@@ -1,5 +1,5 @@
-//! Metallic–roughness shading on the processor (`shaders/common/physical.wgsl`), of eight pixels at a time. The
-//! formulas: `scene/light/physical_light.rs`.
+//! Metallic–roughness shading on the CPU (`shaders/common/physical.wgsl`), of eight pixels at a time. The formulas:
+//! `scene/light/physical_light.rs`.
 
 use super::eight::Vectors;
 use super::illumination::{Illumination, Lit, ShadedLamp, Toward};
@@ -11,7 +11,7 @@ use glam::{Vec3, Vec4};
 /// A losing share is not taken for less, so that quotients are numbers.
 const MIN_LOSS: f32 = 1e-6;
 
-/// Linear light on eight pixels, by what the surface makes of it.
+/// Linear light on eight pixels, by the surface's reflection of it.
 // Four sums by interaction with the surface: colours are multiplied in once, not for each light.
 struct Light<S: Simd> {
     /// Reflected light per unit of the reflectance at normal incidence, and the light reflected in addition to that.
@@ -146,7 +146,7 @@ impl<S: Simd> Light<S> {
         (albedo * let_in * (1.0 - metallic)).mul_add(self.let_in[channel], bounced)
     }
 
-    /// Adds that of a lamp of this colour.
+    /// Adds the light of a lamp of this colour.
     #[inline(always)]
     fn add(
         &mut self,

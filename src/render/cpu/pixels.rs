@@ -1,4 +1,4 @@
-//! Eight pixels of a picture: from bytes to colours and back.
+//! Eight pixels of an image: from bytes to colours and back.
 
 use super::tile::LANES;
 use fearless_simd::{Bytes, Simd, SimdBase, SimdFloat, f32x8, u32x8};
@@ -53,7 +53,7 @@ fn channel<S: Simd>(simd: S, words: u32x8<S>) -> f32x8<S> {
     simd.cvt_f32_i32x8(byte.bitcast()) * (1.0 / 255.0)
 }
 
-/// Writes eight opaque colours to as many pixels as there are.
+/// Writes eight opaque colours to at most that many pixels.
 #[inline(always)]
 pub(in crate::render) fn pack<S: Simd>(simd: S, colors: [f32x8<S>; 3], pixels: &mut [[u8; 4]]) {
     let eight = opaque(simd, colors);

@@ -1,6 +1,6 @@
-//! Patches to pixels: eight pixels of a row at a time, as registers of the processor hold them.
+//! Patches to pixels: eight pixels of a row at a time, as CPU registers hold them.
 //!
-//! Each function is what one pass of `shaders/passes` does with a fragment.
+//! Each function does the work of one pass of `shaders/passes` on a fragment.
 
 use super::eight::lane_numbers;
 use super::facet::{Facet, Outline};
@@ -22,7 +22,7 @@ pub(super) struct Fragments<S: Simd> {
 /// Calls `visit` with the place in the tile of every eight pixels that a patch may cover.
 ///
 /// Closures that take registers say that they are to be inlined: the functions of this file are used by disks and by
-/// byte codes, and what is used twice is compiled by itself otherwise, for the least of processors.
+/// byte codes, and a function used twice is otherwise compiled separately, for the baseline CPU.
 #[inline(always)]
 // When it was not inlined, the closure was compiled for the baseline instruction set as soon as byte codes used this
 // function as well: surfels took 492 ms until it was marked for inlining.
@@ -99,7 +99,7 @@ pub(super) fn store<S: Simd>(register: f32x8<S>, values: &mut [f32], at: usize) 
     values[at..at + LANES].copy_from_slice(register.as_slice());
 }
 
-/// The depth of what is nearest, pushed back: depths are multiplied with `push_back`.
+/// The depth of the nearest surface, pushed back: depths are multiplied with `push_back`.
 #[inline(always)]
 pub(super) fn visibility<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, push_back: f32) {
     let depth_per_w = facet.depth_per_w * push_back;
@@ -119,7 +119,7 @@ pub(super) fn visibility<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, push_
     );
 }
 
-/// Sums weighted colours of what is not behind the depths that are there.
+/// Sums weighted colours of fragments that are not behind the existing depths.
 #[inline(always)]
 pub(super) fn attribute<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &Shading, kernel: Kernel) {
     let nothing = f32x8::splat(simd, 0.0);
@@ -144,7 +144,7 @@ pub(super) fn attribute<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shadin
 }
 
 /// Draws attributes of splats that are at least as large as [`SplatFilter::Clamp`](crate::scene::SplatFilter) requires:
-/// a mask is that of the disk, or of the circle around its centre where that is stronger.
+/// a mask is the disk's, or the one of the circle around its centre where that is stronger.
 #[inline(always)]
 pub(super) fn attribute_clamped<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &Shading, center: &Center) {
     let splat = |value: f32| f32x8::splat(simd, value);
@@ -189,7 +189,7 @@ pub(super) struct Center {
     pub(super) depth: f32,
 }
 
-/// Adds what eight fragments leave, times a weight each.
+/// Adds the contributions of eight fragments, times a weight each.
 #[inline(always)]
 fn add<S: Simd>(
     simd: S,
@@ -215,8 +215,8 @@ fn add<S: Simd>(
     }
 }
 
-/// Lays a splat over what is there, with its mask as opacity. What hides what is behind it, if anything does, is the
-/// outline `with_depth`: of a parallelogram the corners, too.
+/// Lays a splat over the existing pixels, with its mask as opacity. The outline `with_depth`, if any, occludes: for a
+/// parallelogram including the corners.
 #[inline(always)]
 pub(super) fn over<S: Simd>(
     simd: S,
@@ -265,7 +265,7 @@ pub(super) fn over<S: Simd>(
     );
 }
 
-/// Draws what is nearest, opaque.
+/// Draws the nearest surface, opaque.
 #[inline(always)]
 pub(super) fn solid<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, shading: &Shading, outline: Outline) {
     for_each(

@@ -23,7 +23,7 @@ pub(super) trait DrawnRecords: Placed {
     /// Returns the extent to which a record is drawn around its position.
     fn extent(&self) -> Extent;
 
-    /// Draws those of some records that touch a tile.
+    /// Draws the given records that touch a tile.
     fn draw<S: Simd>(
         &self,
         simd: S,

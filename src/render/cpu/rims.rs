@@ -1,8 +1,8 @@
 //! Splat edges, when all tiles are drawn: the surface behind them shows through instead of the background. The
-//! definitions of an edge and of what lies behind it are in `scene/effects/rims.rs`.
+//! definitions of an edge and of the surface behind it are in `scene/effects/rims.rs`.
 //!
-//! How it works: all rows are searched before any is written, since what is met around a pixel is what was drawn, not
-//! what was changed; then changed pixels are written. Most pixels are opaque or open, and are passed over.
+//! How it works: all rows are searched before any is written, since the neighbours of a pixel must be the drawn ones,
+//! not changed ones; then changed pixels are written. Most pixels are opaque or open, and are passed over.
 //! `posed_images/gaps.rs` samples the input images first.
 
 use crate::render::effects::background::cpu::Gradient;
@@ -14,7 +14,7 @@ use rayon::prelude::*;
 const OPEN: u8 = 0;
 const OPAQUE: u8 = u8::MAX;
 
-/// A drawn picture before what is open in it is filled.
+/// A drawn image before its open pixels are filled.
 pub(super) struct Drawn<'a> {
     pub(super) size: [i32; 2],
     /// The fourth byte of a pixel is its opacity.
@@ -33,7 +33,7 @@ struct End {
     at: usize,
 }
 
-/// Fills splat edges with what lies behind them, in an image that has opacities instead of alpha, and these reversed
+/// Fills splat edges with the surface behind them, in an image that has opacities instead of alpha, and these reversed
 /// depths.
 pub(super) fn cover_rims(size_px: [u32; 2], rim_px: u32, gradient: &Gradient, image: &mut [u8], depths: &[f32]) {
     fill_rows(size_px, rim_px, image, depths, |drawn, y| {
@@ -41,8 +41,8 @@ pub(super) fn cover_rims(size_px: [u32; 2], rim_px: u32, gradient: &Gradient, im
     });
 }
 
-/// Writes the pixels that `filled_of_row` finds in each row, with their places in the picture: in all of them, before
-/// any is written.
+/// Writes the pixels that `filled_of_row` finds in each row, with their places in the image: in all of them, before any
+/// is written.
 pub(super) fn fill_rows(
     size_px: [u32; 2],
     rim_px: u32,
@@ -65,7 +65,7 @@ pub(super) fn fill_rows(
 }
 
 impl Drawn<'_> {
-    /// The pixels of a row at rims, with their places in the picture.
+    /// The pixels of a row at splat edges, with their places in the image.
     fn covered_of_row(&self, background: [f32; 3], y: i32) -> Vec<(usize, [u8; 4])> {
         let mut covered = Vec::new();
         for x in 0..self.size[0] {
@@ -81,7 +81,7 @@ impl Drawn<'_> {
         self.size[0] as usize * y as usize + x as usize
     }
 
-    /// The colour behind the rim that a pixel is at, if it is at one, 0 to 1.
+    /// The colour behind the splat edge at a pixel, if it is at one, 0 to 1.
     #[inline(always)]
     pub(super) fn behind_rim(&self, pixel: [i32; 2]) -> Option<[f32; 3]> {
         match self.pixels[self.at(pixel)][3] {
@@ -112,7 +112,7 @@ impl Drawn<'_> {
         found.map(|(one, other)| self.between(one, other))
     }
 
-    /// The colour behind what is between two ends of a line.
+    /// The colour behind the stretch between two ends of a line.
     fn between(&self, one: End, other: End) -> [f32; 3] {
         let [depth, other_depth] = [one, other].map(|end| self.depths[end.at]);
         // On a single surface, which end is farther would depend on rounding, and the two renderers would differ.
@@ -144,7 +144,7 @@ impl Drawn<'_> {
         None
     }
 
-    /// Steps of one pixel along an axis from another one on until the picture ends.
+    /// Steps of one pixel along an axis from another one on until the image ends.
     fn space(&self, pixel: [i32; 2], axis: usize, step: i32) -> i32 {
         match step {
             0 => i32::MAX,
@@ -171,8 +171,8 @@ mod tests {
 
     const SIZE: [i32; 2] = [24, 16];
 
-    /// The red behind the rim at `pixel`, of a picture of these opacities. Red is ten times the column, and what is
-    /// right of column 11 has the reversed depth `behind`, beside 0.8.
+    /// The red behind the splat edge at `pixel`, of an image of these opacities. Red is ten times the column, and
+    /// pixels right of column 11 have the reversed depth `behind`, next to 0.8.
     fn red_behind(behind: f32, opacity: impl Fn([i32; 2]) -> u8, pixel: [i32; 2]) -> Option<f32> {
         let all = || (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| [x, y]));
         let pixels: Vec<[u8; 4]> = all().map(|at| [10 * at[0] as u8, 0, 0, opacity(at)]).collect();
@@ -218,7 +218,7 @@ mod tests {
         for pixel in [[7, 8], [15, 7], [11, 4], [12, 12], [11, 8]] {
             assert_eq!(red_behind(0.79, hole, pixel), None, "{pixel:?}");
         }
-        // What lies beyond the border is unknown.
+        // Pixels beyond the border are unknown.
         let at_border = |[x, _]: [i32; 2]| if x == 0 { 90 } else { 255 };
         assert_eq!(red_behind(0.2, at_border, [0, 8]), None);
     }
@@ -266,7 +266,7 @@ mod tests {
         // 0.502 × (160, 80, 0) over the background (0, 0, 255).
         let background = [0.0, 0.0, 1.0];
         assert_eq!(over([80, 40, 127, 128], background, [1.0, 0.0, 0.0]), [207, 40, 0, 255]);
-        // A transparent pixel becomes what is behind it.
+        // A transparent pixel takes the colour behind it.
         let nearly_blue = [9.0, 8.0, 7.0].map(|channel| channel / 255.0);
         assert_eq!(over([9, 8, 7, 0], nearly_blue, [1.0, 0.5, 0.0]), [255, 128, 0, 255]);
     }

@@ -1,10 +1,10 @@
-//! Rows of tiles of what is made of a picture: each is the work of one task.
+//! Rows of tiles of the results for an image: each is the work of one task.
 
 use super::photos::PhotoAnswer;
 use super::tile::HEIGHT;
 use crate::scene::ScenePacket;
 
-/// A row of tiles of what is made of their pixels.
+/// A row of tiles of the results for their pixels.
 pub(super) enum TileRow<'a> {
     /// Image pixels, four bytes per pixel.
     Bytes(&'a mut [u8]),

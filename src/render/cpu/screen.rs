@@ -3,10 +3,10 @@
 //!
 //! How it works: tiles leave reversed depths next to the image, and opacities instead of its alpha. Then rows are
 //! processed once more, step after step, in place; most of them are still in a cache. Without such steps no depths are
-//! kept and no rows are processed again.
+//! stored and no rows are processed again.
 //!
-//! Opacities are needed since the background is in the image already, and is not shaded. For a colour `c` that covers a
-//! pixel by `a` there is `a · c + (1 - a) · background`; with the shade `s` it is to be `s · a · c + (1 - a) ·
+//! Opacities are needed since the background is in the image already, and is not shaded. A colour `c` that covers a
+//! pixel by `a` gives `a · c + (1 - a) · background`; with the shade `s` it should be `s · a · c + (1 - a) ·
 //! background`, which is `s · picture + (1 - s) · (1 - a) · background`.
 
 use super::photos::Projected;
@@ -49,7 +49,7 @@ impl Screen {
         })
     }
 
-    /// Finishes a picture with its reversed depths. Gaps are closed by `posed_images`.
+    /// Finishes an image with its reversed depths. Gaps are closed by `posed_images`.
     pub(super) fn draw(&self, image: &mut [u8], depths: &[f32], posed_images: Option<&Projected<'_>>) {
         let posed_images = posed_images.filter(|posed_images| posed_images.closes_gaps());
         if posed_images.is_none() && self.rim_px == 0 {

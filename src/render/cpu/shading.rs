@@ -18,8 +18,8 @@ pub(super) struct Shading {
     pub(super) normal: Option<SurfaceNormal>,
 }
 
-/// Surface normal that a patch contributes to the sum of normals, in view space. Surfaces have two sides: what is
-/// summed up is turned towards the eye.
+/// Surface normal that a patch contributes to the sum of normals, in view space. Surfaces have two sides: summed
+/// normals are turned towards the eye.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum SurfaceNormal {
     /// One normal for all pixels.
@@ -64,7 +64,7 @@ impl Light {
 // The exponent computed by the multiplications below, and by those in `raster.rs`.
 const _: () = assert!(HEADLIGHT_SHININESS == 3 * 8);
 
-/// It shines from the eye, along a vector of any length.
+/// Light from the eye, along a vector of any length.
 pub(super) fn headlight(normal: Vec3, from_eye: Vec3) -> [f32; 2] {
     headlight_of_cosine(normal.dot(from_eye.normalize_or_zero()).abs())
 }
@@ -79,7 +79,7 @@ pub(super) fn headlight_of_cosine(facing: f32) -> [f32; 2] {
     ]
 }
 
-/// The colour of a surfel that faces away, if that is to be told.
+/// The colour of a surfel that faces away, if back sides are to be distinguished.
 #[inline(always)]
 pub(super) fn seen_from_behind(color: [f32; 3]) -> [f32; 3] {
     let [red, green, blue] = color;

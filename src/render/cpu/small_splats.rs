@@ -1,12 +1,12 @@
 //! Filtered splats that reach less than a pixel from their centres: where hundreds share a pixel, all of them do.
 //!
-//! How it works: such a splat covers the centres of two by two pixels at most. On the screen it is, as if it was flat
+//! How it works: such a splat covers the centres of two by two pixels at most. On the screen it is, taken as flat
 //! there, the ellipse `sᵀ·K⁻¹·s ≤ 1` with `K = J·A·Jᵀ`, which has no division by the area of a splat (`ewa.rs`). So the
-//! masks of four pixels are computed for eight splats at a time, and no patch is set up whose functions are those of a
-//! whole row of pixels. Depths are those of the plane, as those of patches are.
+//! masks of four pixels are computed for eight splats at a time, and no patch is set up with functions for a whole row
+//! of pixels. Depths are the plane's, as for patches.
 //!
-//! They are added once the depths of the tile are known. Until then only their indices are kept: what is computed for
-//! eight of them is 500 bytes, and to write those of a million and read them back took longer than recomputing them.
+//! They are added once the depths of the tile are known. Until then only their indices are stored: the values computed
+//! for eight of them are 500 bytes, and writing and reading those of a million took longer than recomputing them.
 
 use super::eight::Vectors;
 use super::ewa::OnScreen;
@@ -27,7 +27,7 @@ pub(super) const MAX_REACH_OF_SMALL_PX: f32 = 0.49;
 const _: () =
     assert!(MAX_REACH_OF_SMALL_PX * MAX_REACH_OF_SMALL_PX + SplatFilter::RADIUS_PX * SplatFilter::RADIUS_PX < 1.0);
 
-/// Determinants of K are not taken for less: what is seen edge-on is a line.
+/// Minimum determinant of K: a splat seen edge-on is a line.
 const MIN_DETERMINANT: f32 = 1e-9;
 
 /// Eight splats, a property in each row, a splat in each lane.
@@ -41,7 +41,7 @@ struct SmallSplats {
     colors: [[f32; LANES]; 3],
     /// Towards the eye.
     normals: [[f32; LANES]; 3],
-    /// The lanes of those that are in the picture, in front.
+    /// The lanes of those in the image and in front of the eye.
     lanes: [usize; LANES],
     count: usize,
 }
@@ -56,7 +56,7 @@ pub(super) struct EightSmall<'a, S: Simd> {
     pub(super) colors: [f32x8<S>; 3],
     /// Factor on the colours of their back sides.
     pub(super) back_side: f32,
-    /// Lanes with a splat that may be in the picture.
+    /// Lanes with a splat that may be in the image.
     pub(super) may_touch: mask32x8<S>,
     pub(super) is_lit: bool,
 }
@@ -67,7 +67,7 @@ pub(super) struct EightSmall<'a, S: Simd> {
 pub(super) struct SmallSums {
     /// Weighted red, green, blue, and the weights.
     colors: Vec<[f32; 4]>,
-    /// Weighted normals and depths, where light falls on the blended surface.
+    /// Weighted normals and depths, if the blended surface is lit.
     surfaces: Vec<[f32; 4]>,
     /// The first row of the tile that was added to, and the one after the last.
     rows: [usize; 2],
@@ -171,7 +171,7 @@ impl SmallSplats {
 }
 
 impl SmallSums {
-    /// Has room for a tile from now on.
+    /// Allocates the sums of a tile.
     pub(super) fn begin(&mut self, has_normals: bool) {
         self.colors.resize(tile::PIXELS, [0.0; 4]);
         if has_normals {
@@ -180,7 +180,7 @@ impl SmallSums {
     }
 
     /// Sums weighted colours of eight where they are not behind the depths of the tile; their normals, if light is to
-    /// fall on these. Precondition: [`SmallSums::begin`] was told of these.
+    /// fall on these. Precondition: [`SmallSums::begin`] was called for these.
     #[inline(always)]
     pub(super) fn add<S: Simd>(&mut self, simd: S, tile: &Tile, eight: &EightSmall<'_, S>, has_normals: bool) {
         const STEPS: [i32; PIXELS] = [0, 1, WIDTH as i32, WIDTH as i32 + 1];
@@ -214,7 +214,7 @@ impl SmallSums {
         self.rows = [self.rows[0].min(first), self.rows[1].max(end)];
     }
 
-    /// Adds the sums to those of the tile, and resets them.
+    /// Adds the sums to the tile's, and resets them.
     pub(super) fn finish(&mut self, tile: &mut Tile, has_normals: bool) {
         let [first, end] = mem::replace(&mut self.rows, [HEIGHT, 0]);
         for at in first * WIDTH..end.min(HEIGHT) * WIDTH {

@@ -1,15 +1,15 @@
 //! Scan conversion of polygons: the pixels of a row that a polygon covers.
 //!
 //! A pixel is covered where its centre is inside. Where an edge meets the pixel centres of a row follows from its two
-//! ends alone, taken in one order, so the polygons on both sides of it get the same number, bit by bit: what ends there
-//! on the left begins there on the right. So surfaces have neither holes nor pixels that are drawn twice along their
-//! edges, whatever is rounded; a closed mesh shows nothing of what is behind it.
+//! ends alone, taken in one order, so the polygons on both sides of it get the same number, bit by bit: a span that
+//! ends there on the left begins there on the right. So surfaces have neither holes nor pixels drawn twice along their
+//! edges, regardless of rounding; a closed mesh lets nothing shine through.
 
 use super::view::PixelRect;
 use std::ops::Range;
 
 /// Calls `visit` with each row of `clip`, and those of its columns, whose pixel centres a convex polygon covers.
-/// Corners are given in pixels, in their order around it. Centres on the left and the upper border are covered, those
+/// Corners are given in pixels, in their order around it. Centres on the left and the upper border are covered, centres
 /// on the right and the lower one are not.
 #[inline(always)]
 pub(super) fn for_each_span(corners: &[[f64; 2]], clip: PixelRect, mut visit: impl FnMut(i32, Range<i32>)) {
@@ -95,7 +95,7 @@ mod tests {
             }
         }
 
-        /// A fan of triangles around a place covers each pixel of its outline once, on whatever grid corners lie.
+        /// A fan of triangles around a place covers each pixel of its outline once, on any grid of corners.
         #[test]
         fn triangles_around_a_corner_leave_no_hole_and_do_not_overlap(
             center in prop::array::uniform2(8f64..16.0),

@@ -1,4 +1,4 @@
-//! What several files test with.
+//! Helpers of several test files.
 
 use super::view::PixelView;
 use crate::math::Aabb;

@@ -1,4 +1,5 @@
-//! The picture in tiles: a piece of it, with all that its pixels need while they are drawn, stays in the second cache.
+//! The image in tiles: a piece of it, with all data that its pixels need while they are drawn, stays in the second
+//! cache.
 
 use super::view::PixelRect;
 use std::ops::Range;
@@ -8,10 +9,10 @@ pub(super) const WIDTH: usize = 128;
 pub(super) const HEIGHT: usize = 64;
 pub(super) const PIXELS: usize = WIDTH * HEIGHT;
 
-/// The first of [`LANES`] places behind all pixels, for what is not in the tile.
+/// The first of [`LANES`] places after all pixels, for pixels outside the tile.
 pub(super) const NOWHERE: usize = PIXELS;
 
-/// Pixels that are worked out together: those of a row that begin at a multiple of it.
+/// Pixels processed together: consecutive ones of a row that begin at a multiple of it.
 pub(in crate::render) const LANES: usize = 8;
 
 /// Tiling of an image.
@@ -33,7 +34,7 @@ impl Tiles {
         self.columns * self.rows
     }
 
-    /// Columns and rows of the tiles that have pixels of a rectangle in the picture.
+    /// Columns and rows of the tiles that overlap a rectangle of the image.
     pub(super) fn covered_by(rect: PixelRect) -> [Range<usize>; 2] {
         if rect.is_empty() {
             return [0..0, 0..0];
@@ -47,15 +48,14 @@ impl Tiles {
 /// The pixels of one tile while it is drawn, row after row.
 #[derive(Debug)]
 pub(super) struct Tile {
-    /// The pixel of the picture in its upper left corner.
+    /// The pixel of the image in its upper left corner.
     pub(super) origin: [i32; 2],
     /// Reversed depth, `near/distance`; 0 where nothing is.
     pub(super) depth: Vec<f32>,
     /// Red, green and blue from 0 to 1, times a weight where weights are summed up.
     pub(super) colors: [Vec<f32>; 3],
     pub(super) weight: Vec<f32>,
-    /// Normals along the axes of view space, and reversed depths, times a weight; where light falls on the blended
-    /// surface.
+    /// Normals along the axes of view space, and reversed depths, times a weight; if the blended surface is lit.
     pub(super) surfaces: [Vec<f32>; 4],
     /// The bits of the depth above 32 of colour, for points; and those from [`NOWHERE`] on.
     pub(super) keys: Vec<u64>,
@@ -77,7 +77,7 @@ impl Tile {
         }
     }
 
-    /// Its pixels in the picture.
+    /// Its pixels in the image.
     pub(super) fn rect(&self) -> PixelRect {
         let [x, y] = self.origin;
         PixelRect {

@@ -25,12 +25,12 @@ pub(super) struct Triangle {
     w: Affine,
     /// Reversed depth, `near/distance`, for each unit of `w`.
     depth_per_w: f32,
-    /// The least and the greatest of its corners.
+    /// The minimum and maximum depth of its corners.
     depths: [f32; 2],
 }
 
 impl Triangle {
-    /// By its corners in view space.
+    /// Creates it from its corners in view space.
     #[inline(always)]
     pub(super) fn new(view: &PixelView, [a, b, c]: [Vec3; 3]) -> Self {
         let reversed = [a, b, c].map(|corner| {
@@ -89,11 +89,11 @@ pub(super) struct TriangleShading<'a> {
     /// Texture that colours are multiplied with, as with the light.
     pub(super) texture: Option<TextureOnTriangle<'a>>,
     pub(super) light: TriangleLight,
-    /// In view space, at the corners: where light falls on the finished surface.
+    /// In view space, at the corners: if the finished surface is lit.
     pub(super) normals: Option<[Vec3; 3]>,
 }
 
-/// A picture, and where the corners are in it.
+/// A texture, and the positions of the corners in it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TextureOnTriangle<'a> {
     pub(super) textures: &'a Textures,
@@ -134,7 +134,7 @@ struct Places<S: Simd> {
     /// On the triangle.
     p: f32x8<S>,
     q: f32x8<S>,
-    /// The first of them in the picture, and in its tile.
+    /// The first of them in the image, and in its tile.
     pixel: [i32; 2],
     at: usize,
 }
@@ -207,14 +207,14 @@ pub(super) fn fill<S: Simd>(
     }
 }
 
-/// From 0 to the most, and 0 for what is no number: on its borders a triangle may be missed by rounding.
+/// Clamped from 0 to the maximum, and 0 for NaN: on its borders a triangle may be missed by rounding.
 #[inline(always)]
 fn share<S: Simd>(simd: S, value: f32x8<S>, max: f32x8<S>) -> f32x8<S> {
     let zero = f32x8::splat(simd, 0.0);
     simd.select_f32x8(value.simd_gt(zero), value.min(max), zero)
 }
 
-/// Writes what is drawn of eight values over those that are there.
+/// Writes the drawn ones of eight values over the existing ones.
 #[inline(always)]
 fn keep<S: Simd>(simd: S, drawn: mask32x8<S>, value: f32x8<S>, below: &mut [f32], at: usize) {
     let there = load(simd, below, at);

@@ -3,7 +3,7 @@
 use crate::scene::ScenePacket;
 use glam::{Mat3, Vec3};
 
-/// A view space that looks down −z, and the pixels of a picture.
+/// A view space that looks down −z, and the pixels of an image.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::render) struct PixelView {
     rotation: Mat3,
@@ -38,7 +38,7 @@ impl PixelView {
         [self.eye_high, self.eye_low]
     }
 
-    /// From the axes of the frame to those of the view.
+    /// From the axes of the frame to the axes of the view.
     pub(super) fn rotation(&self) -> Mat3 {
         self.rotation
     }
@@ -75,7 +75,7 @@ impl PixelView {
         }
     }
 
-    /// The pixels that may be touched by what reaches some pixels beyond a box in view space; empty where none can be
+    /// The pixels that may be touched by splats reaching some pixels beyond a box in view space; empty if none can be
     /// seen.
     pub(super) fn covered_px(&self, center: Vec3, half: Vec3, margin_px: f32) -> PixelRect {
         let [nearest, farthest] = [-center.z - half.z, -center.z + half.z];

@@ -25,39 +25,39 @@ pub(in crate::render) struct Effect {
 pub(in crate::render) enum Stage {
     /// Before all that is drawn.
     Behind,
-    /// On what was drawn, before the background shines through it: of sums where these are drawn, else of the picture.
+    /// On the drawn surface, before the background shines through it: on sums where these are drawn, else on the image.
     Drawn,
-    /// On the picture with all that is in it.
+    /// On the complete image.
     Picture,
-    /// From the picture that was drawn to the one that is shown.
+    /// From the drawn image to the one shown.
     Shown,
 }
 
 /// Implementation of an effect in the software renderer.
 #[derive(Debug)]
 pub(in crate::render) enum OnCpu {
-    /// No step in addition to what it does with each tile.
+    /// No step in addition to its work on each tile.
     InTiles,
-    /// It changes rows when all tiles are drawn.
+    /// A step that changes rows when all tiles are drawn.
     Rows(fn(&ScenePacket) -> Option<Box<dyn RowStep>>),
-    /// It makes the picture that is shown of the one that was drawn.
+    /// A step that makes the image shown from the drawn one.
     Shown(fn(&RgbaImage, &mut RgbaImage)),
 }
 
-/// A step from row to row of a picture that is drawn.
+/// A step from row to row of an image that is drawn.
 pub(in crate::render) trait RowStep: fmt::Debug + Send + Sync {
     /// Changes a row.
     fn draw(&self, row: &mut PictureRow<'_>);
 }
 
-/// A row of a picture, with the depths of all of it.
+/// A row of an image, with the depths of all of it.
 pub(in crate::render) struct PictureRow<'a> {
     pub(in crate::render) level: Level,
     pub(in crate::render) y: usize,
     pub(in crate::render) size_px: [usize; 2],
-    /// The fourth byte is how much of the background a pixel hides until [`Stage::Drawn`] is done, and nobody's
+    /// The fourth byte is the fraction of the background that a pixel hides until [`Stage::Drawn`] is done, and unused
     /// afterwards.
     pub(in crate::render) pixels: &'a mut [[u8; 4]],
-    /// Reversed depths of the picture; 0 where nothing is.
+    /// Reversed depths of the image; 0 where it is empty.
     pub(in crate::render) depths: &'a [f32],
 }

@@ -1,9 +1,9 @@
-//! Effects of pictures: what is done over the whole of a picture, on both sides.
+//! Effects: steps over the whole of an image, on CPU and GPU.
 //!
 //! An effect is a folder: `mod.rs` has its row (when a packet has it, and where it stands), `gpu.rs` its passes with
-//! their uniform and constants, `cpu.rs` what the software renderer does. Its WGSL is `shaders/effects/NAME.wgsl`.
-//! Parts of deferred shading that are asked for apart (shadows, ambient occlusion) are folders without a row: their
-//! WGSL is imported by the pass that lets light fall.
+//! their uniform and constants, `cpu.rs` the software renderer's part. Its WGSL is `shaders/effects/NAME.wgsl`. Parts
+//! of deferred shading that are requested separately (shadows, ambient occlusion) are folders without a row: their WGSL
+//! is imported by the lighting pass.
 
 pub(in crate::render) mod ambient_occlusion;
 pub(in crate::render) mod background;
@@ -33,7 +33,7 @@ pub(in crate::render) const EFFECTS: [&Effect; 6] = [
     &supersample::EFFECT,
 ];
 
-/// Those that a packet has in a stage.
+/// The effects of a packet in a stage.
 pub(in crate::render) fn of_stage(packet: &ScenePacket, stage: Stage) -> impl Iterator<Item = &'static Effect> {
     let all = EFFECTS.into_iter().filter(move |effect| effect.stage == stage);
     all.filter(|effect| (effect.is_on)(packet))

@@ -28,13 +28,13 @@ pub struct StageComplexity {
 pub struct PassComplexity {
     /// Its name.
     pub pass: &'static str,
-    /// For each vertex; the strategy is that of the packet.
+    /// For each vertex; the strategy is the packet's.
     pub vertex: StageComplexity,
     /// For each fragment.
     pub fragment: StageComplexity,
 }
 
-/// The passes that draw the records of `packet`, then those that finish them over the whole picture.
+/// The passes that draw the records of `packet`, then those that finish them over the whole image.
 pub fn passes_of(packet: &ScenePacket) -> Vec<PassComplexity> {
     let plan = Plan::new(packet, true);
     let over_records = plan.geometry_keys().map(|key| {
@@ -48,7 +48,7 @@ pub fn passes_of(packet: &ScenePacket) -> Vec<PassComplexity> {
         .collect()
 }
 
-/// `None` for what is no WGSL, which no permutation is (`tests/pictures/shaders/mod.rs`).
+/// `None` for invalid WGSL, which no permutation is (`tests/pictures/shaders/mod.rs`).
 fn of_pass(pass: &'static str, permutation: Permutation) -> Option<PassComplexity> {
     // Naga's representation: instructions differ from driver to driver, and querying a driver for them needs vendor
     // tools.

@@ -140,7 +140,7 @@ impl BufferGroup {
         }
     }
 
-    /// `buffer` knows what is bound to each binding.
+    /// `buffer` returns the buffer of each binding.
     pub(super) fn bound<'a>(&self, context: &Context, buffer: impl Fn(u32) -> &'a wgpu::Buffer) -> wgpu::BindGroup {
         let entries: Vec<_> = self
             .rows
@@ -163,7 +163,7 @@ fn whole(binding: u32, buffer: &wgpu::Buffer) -> wgpu::BindGroupEntry<'_> {
     }
 }
 
-/// The entry of a buffer in a layout; without a row, that of a uniform at a dynamic offset.
+/// The entry of a buffer in a layout; without a row, the entry of a uniform at a dynamic offset.
 fn layout_entry(binding: u32, row: Option<&BufferRow>) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry {
         binding,
@@ -295,7 +295,7 @@ impl ComputePrograms {
         })
     }
 
-    /// Precondition: so many workgroups are one dispatch of the adapter.
+    /// Precondition: the adapter can dispatch this many workgroups at once.
     pub(super) fn dispatch(
         &self,
         pass: &mut wgpu::ComputePass<'_>,

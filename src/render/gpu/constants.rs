@@ -1,5 +1,5 @@
-//! Constants of Rust as WGSL, which shaders import, so that none is written twice. Those of one part of a picture are
-//! with that part.
+//! Constants of Rust as WGSL, which shaders import, so that none is written twice. Constants of one part of an image
+//! are with that part.
 
 use super::gpu_data::{
     BACK_FACES_CULLED, BACK_FACES_DARKER, KERNEL_BOX, KERNEL_HAT, LIGHTING_PER_FRAGMENT, LIGHTING_PER_SURFEL,
@@ -26,7 +26,7 @@ use crate::scene::{
 use crate::stereo::matching::constants as stereo;
 use std::fmt::Debug;
 
-/// Bind groups: the view is that of every pass.
+/// Bind groups: the view is bound in every pass.
 pub(super) const VIEW_GROUP: u32 = 0;
 /// Bind group of a screen-space pass: the textures that it reads, and its uniforms.
 pub(super) const SOURCE_GROUP: u32 = 1;
@@ -62,10 +62,10 @@ pub(super) const NO_LABEL: f32 = -1e30;
 /// Slopes from which on a ray is none.
 pub(super) const NO_RAY: f32 = 1e9;
 
-/// The radius of what is not drawn, which was not told before its record was written.
+/// The radius of records that turn out not to be drawn only once they are written.
 const RADIUS_OF_NOTHING: f32 = -1.0;
 
-/// Verdict of the selection test on a node of a sequence; open is one that single-precision floats leave undecided.
+/// Result of the selection test on a node of a sequence; open is one that single-precision floats leave undecided.
 const NODE_CLASS_DROPPED: u32 = 0;
 const NODE_CLASS_SMALL: u32 = 1;
 const NODE_CLASS_DIVIDED: u32 = 2;
@@ -219,7 +219,7 @@ pub(super) fn of_screen_normals() -> String {
 pub(super) fn of_depth_images() -> String {
     /// More than any depth.
     const NO_DEPTH: f32 = f32::MAX;
-    /// Points farther away are none: what is multiplied by a ray stays a number.
+    /// Points farther away are discarded: products with a ray stay finite.
     const FARTHEST_POINT_M: f32 = 1e28;
     [
         declaration("BILATERAL_REACH", filter::BILATERAL_REACH as u32),
@@ -294,7 +294,7 @@ impl Number for u32 {
     const SUFFIX: &'static str = "u";
 }
 
-/// The lines through a pixel on which the ends of gaps and rims are.
+/// The lines through a pixel on which the ends of gaps and splat edges are.
 fn pixel_lines() -> String {
     let lines = PIXEL_LINES.map(|[x, y]| format!("vec2i({x}, {y})"));
     format!("const PIXEL_LINES = array({});", lines.join(", "))

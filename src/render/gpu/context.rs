@@ -8,13 +8,13 @@ use std::sync::{Arc, Mutex};
 /// Adapter selection and limits.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ContextOptions {
-    /// Take a software adapter even where there is a GPU. Tests do: their pictures then come from one rasteriser.
+    /// Take a software adapter even where there is a GPU. Tests do: their images then come from one rasteriser.
     pub prefer_software: bool,
     /// Draw at most this many records from one buffer, below the adapter's own limit. Tests force many chunks with it.
     pub max_chunk_records: Option<usize>,
 }
 
-/// An open device with what was found out about it.
+/// An open device with its queried properties.
 #[derive(Debug)]
 pub struct Context {
     /// The graphics library.
@@ -27,7 +27,7 @@ pub struct Context {
     pub queue: wgpu::Queue,
     /// Name, type and driver.
     pub info: wgpu::AdapterInfo,
-    /// The adapter's limits: all of them were asked for.
+    /// The adapter's limits, all of which were requested.
     pub limits: wgpu::Limits,
     /// True if GPU time can be measured.
     pub has_timestamps: bool,
@@ -37,7 +37,7 @@ pub struct Context {
     pub blends_single_floats: bool,
     pub(super) max_chunk_records: Option<usize>,
     lost: Arc<Mutex<Option<String>>>,
-    /// Allocations that will fail as if there was no memory, for tests.
+    /// Number of allocations that will fail as if there were no memory, for tests.
     allocations_to_fail: AtomicU32,
 }
 
@@ -62,7 +62,7 @@ impl Context {
     /// The graphics library with Vulkan, Metal or DirectX 12, unless `WGPU_BACKEND` names another.
     pub fn instance() -> wgpu::Instance {
         let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
-        // Also looking for OpenGL takes a second and complains on stderr where there is none.
+        // Also looking for OpenGL takes a second and complains on stderr if it is missing.
         descriptor.backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
         wgpu::Instance::new(descriptor)
     }
@@ -80,7 +80,7 @@ impl Context {
         let early_depths = wgpu::Features::SHADER_EARLY_DEPTH_TEST;
         let features = adapter.features() & (timestamps | single_floats | early_depths);
         let has_timestamps = features.contains(timestamps);
-        // wgpu's own defaults (256 MiB per buffer) are below what adapters support.
+        // wgpu's own defaults (256 MiB per buffer) are below the limits of adapters.
         let limits = adapter.limits();
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("pointreel"),
@@ -127,12 +127,12 @@ impl Context {
         }
     }
 
-    /// Lets the next `count` allocations for pictures fail as if the GPU had no memory left.
+    /// Lets the next `count` allocations for images fail as if the GPU had no memory left.
     pub fn simulate_out_of_memory(&self, count: u32) {
         self.allocations_to_fail.store(count, Ordering::Relaxed);
     }
 
-    /// Ends the device as a crashed driver would: every later picture fails with [`RenderError::DeviceLost`].
+    /// Ends the device as a crashed driver would: every later image fails with [`RenderError::DeviceLost`].
     pub fn simulate_loss(&self) {
         self.device.destroy();
         *lock(&self.lost) = Some("simulated".to_owned());
@@ -156,12 +156,12 @@ impl Context {
         self.info.device_type == wgpu::DeviceType::Cpu
     }
 
-    /// Largest edge of a picture.
+    /// Largest edge of an image.
     pub fn max_edge_px(&self) -> u32 {
         self.limits.max_texture_dimension_2d
     }
 
-    /// Most bytes of a storage binding.
+    /// Maximum bytes of a storage binding.
     pub(super) fn max_storage_bytes(&self) -> u64 {
         let limits = &self.limits;
         limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)

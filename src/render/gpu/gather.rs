@@ -2,17 +2,17 @@
 //!
 //! **How it works.** The records of all nodes lie in storage buffers. A view uploads the places of its nodes (four
 //! bytes each), and one pass copies their records to where the strategy has its own: a storage, uniform or vertex
-//! buffer, or one that becomes a texture. So shaders and draw calls are those of any other cloud, whatever the
-//! strategy, and so is every byte of the picture.
+//! buffer, or one that becomes a texture. So shaders and draw calls are the same as for any other cloud, whatever the
+//! strategy, and so is every byte of the image.
 //!
-//! Of a sequential point tree there are no places: the pass tests each candidate (`passes/filter.wgsl`) and gives those
-//! that are not drawn a radius by which `compute` drops them, and other strategies draw no more than a point without
-//! extent. Bisection has found the candidates, and the rule is a uniform.
+//! For a sequential point tree there are no places: the pass tests each candidate (`passes/filter.wgsl`) and gives
+//! undrawn ones a radius by which `compute` drops them, while other strategies draw only a point without extent.
+//! Bisection has found the candidates, and the rule is a uniform.
 //!
 //! **Why not by an index in the vertex stage.** Uniform buffers are bound 64 KiB at a time, and attributes that are
 //! stepped per instance come in the order of memory: two of five strategies could not. The others would read an index
 //! for each of the four to twelve vertices of a record, and have twice as many shaders. The copy costs 64 bytes of the
-//! GPU's own memory a record, once a view.
+//! GPU's own memory per record, once per view.
 
 use super::context::Context;
 use super::gather_program::{FILTER, GATHER, Program, bind_group, dispatch};
@@ -37,7 +37,7 @@ pub(super) struct Gatherer {
     gathered: Option<Gathered>,
 }
 
-/// The records of a selection, or room for them.
+/// The records of a selection, or a buffer for them.
 #[derive(Debug)]
 struct Gathered {
     selection: Arc<Selection>,
@@ -86,12 +86,12 @@ impl Gatherer {
         }
     }
 
-    /// Forgets what was gathered: another strategy lays records out otherwise.
+    /// Discards the gathered records: another strategy lays them out differently.
     pub(super) fn clear(&mut self) {
         self.gathered = None;
     }
 
-    /// Uploads which records are selected, and makes room for them. Returns the bytes uploaded.
+    /// Uploads the selection of records, and allocates space for them. Returns the bytes uploaded.
     pub(super) fn ensure(
         &mut self,
         context: &Context,

@@ -75,7 +75,7 @@ pub(super) fn bind_group(
     })
 }
 
-/// Gathers so many records.
+/// Gathers this number of records.
 pub(super) fn dispatch(
     programs: &ComputePrograms,
     context: &Context,

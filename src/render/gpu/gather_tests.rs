@@ -23,7 +23,7 @@ fn context() -> Arc<Context> {
     Context::headless(&options).unwrap()
 }
 
-/// Runs a compute shader for so many invocations in groups of 256 and reads the buffer at one of its bindings.
+/// Runs a compute shader for this many invocations in groups of 256 and reads the buffer at one of its bindings.
 fn run(
     context: &Context,
     source: &str,
@@ -201,7 +201,7 @@ fn single_floats_convert_to_the_same_doubles() {
     }
 }
 
-/// A sequence of a torus of this radius, with its nodes kept.
+/// A sequence of a torus of this radius, with its nodes retained.
 fn sequence(scale: f32) -> SphereLevels {
     let torus = test_shapes::torus(4000, 0.4, &mut Random(5));
     let positions: Vec<Vec3> = torus.positions.iter().map(|&position| position * scale).collect();

@@ -1,5 +1,5 @@
 //! Structures that Rust and WGSL share, declared once: WGSL imports them (`shader_library.rs`), but for the records of
-//! clouds and trees. `tests/pictures/shaders/mod.rs` holds their layouts against the shaders by reflection.
+//! clouds and trees. `tests/pictures/shaders/mod.rs` checks their layouts against the shaders by reflection.
 
 pub use crate::cloud::{PointRecord, ShapeRecord, TexturePlace, TriangleRecord, VertexRecord, VoxelRecord};
 pub use crate::levels::NodeBounds;
@@ -17,7 +17,7 @@ use bytemuck::Zeroable;
 use std::f32::consts::LOG2_E;
 use std::ops::Range;
 
-/// Those that are declared here; those of effects are with these.
+/// The structures declared here; those of effects are with these.
 pub const LAYOUTS: [&Layout; 8] = [
     &Gathering::LAYOUT,
     &Filtering::LAYOUT,
@@ -52,7 +52,7 @@ shared_struct! {
         first: u32,
         /// Number of records.
         count: u32,
-        /// From one record to the next; 0 where indices say which.
+        /// From one record to the next; 0 if indices select them.
         step: u32,
         /// On the second number of a record, which is a radius, unless it is 1.
         radius_factor: f32,
@@ -84,9 +84,9 @@ shared_struct! {
         first: u32,
         /// Number of candidates.
         count: u32,
-        /// Candidates that are no leaves.
+        /// Candidates that are not leaves.
         inner_candidates: u32,
-        /// Nodes of the tree that are no leaves. The root, which is the first of these, is no candidate, but divided.
+        /// Nodes of the tree that are not leaves. The root, the first of these, is not a candidate, but divided.
         inners: u32,
         /// Eye position of the view.
         eye: [f32; 3],
@@ -145,7 +145,7 @@ impl Filtering {
 shared_struct! {
     /// The view that surfels of the screen are made in (`screen_normals/view.wgsl`).
     pub Screening as "Screening" {
-        /// Columns of the rotation from the axes of the cloud to those of the view (right, up, backward).
+        /// Columns of the rotation from the axes of the cloud to the view's (right, up, backward).
         rotation_x: [f32; 3],
         /// Distance to the near plane.
         near: f32,
@@ -175,7 +175,7 @@ shared_struct! {
         center_px: [f32; 2],
         /// Size of the image with its margin.
         size_px: [u32; 2],
-        /// The first record of what `surface` writes among all.
+        /// The first record written by `surface` among all.
         first: u32,
         /// Number of records that `surface` writes.
         count: u32,
@@ -225,7 +225,7 @@ shared_struct! {
         near_m: f32,
         /// Farther depths are dropped.
         far_m: f32,
-        /// Origin of the points: what their centre is moved to, in the camera frame.
+        /// Origin of the points: the position that their centre is moved to, in the camera frame.
         origin: [f32; 3],
         /// Boolean: samples are 16-bit codes, two in a word, that the table maps to metres; otherwise they are metres.
         is_coded: u32,
@@ -235,7 +235,7 @@ shared_struct! {
         sigma_m: f32,
         /// On the noise of the sensor, where that is the measure.
         noise_factor: f32,
-        /// Within what neighbours are near.
+        /// Distance within which neighbours are near.
         flying_m: f32,
         /// Flying-pixel threshold as a fraction of the depth.
         flying_share: f32,
@@ -249,7 +249,7 @@ shared_struct! {
         fill_frames: u32,
         /// Boolean: there is a colour image.
         has_colors: u32,
-        /// Colour of all points where there is no colour image: red, green, blue, alpha.
+        /// Colour of all points without a colour image: red, green, blue, alpha.
         one_color: u32,
         /// Padding.
         unused: u32,
@@ -288,7 +288,7 @@ shared_struct! {
         size_px: [u32; 2],
         /// Labels of a pixel, an even number; label k is the disparity `min_px` + k.
         count: u32,
-        /// Least disparity.
+        /// Minimum disparity.
         min_px: i32,
         /// From pixel to pixel of a path.
         path_step: [i32; 2],
@@ -298,15 +298,15 @@ shared_struct! {
         radius_px: u32,
         /// Penalty of a step of one label.
         p1: u32,
-        /// Least penalty of a longer step.
+        /// Minimum penalty of a longer step.
         p2_min: u32,
         /// Additional penalty of a longer step where brightness does not change.
         p2_above_min: u32,
         /// Change of brightness at which half of that is left.
         half_change: u32,
-        /// By how much the best label must be better than others.
+        /// Margin by which the best label must be better than others.
         unique_percent: u32,
-        /// Boolean: subpixel positions between labels are those of a parabola.
+        /// Boolean: subpixel positions between labels come from a parabola.
         by_parabola: u32,
     }
 }
@@ -371,9 +371,9 @@ shared_struct! {
         depth_slack: f32,
         /// Additional depth offset for splats that are filtered to the pixels.
         depth_slack_px: f32,
-        /// Radius of the splat that a point becomes by that filter; 0 where there is none.
+        /// Radius of a point's splat by that filter; 0 if there is none.
         filter_radius_px: f32,
-        /// Radius of the least splat that sprites are, in pixels; 0 where there is none.
+        /// Minimum splat radius of sprites, in pixels; 0 if there is none.
         clamp_radius_px: f32,
         /// `LIGHTING_*`, or without light.
         lighting: u32,
@@ -387,7 +387,7 @@ shared_struct! {
 }
 
 shared_struct! {
-    /// A draw call that a pass writes. The first four words are also those of a draw of vertices without indices.
+    /// A draw call that a pass writes. The first four words also serve a draw of vertices without indices.
     pub DrawIndexedIndirect as "DrawIndexedIndirect" {
         /// Number of indices to draw.
         index_count: u32,

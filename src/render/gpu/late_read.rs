@@ -1,4 +1,4 @@
-//! A few bytes of the card, read back without waiting for them: they come some pictures late.
+//! A few bytes of the GPU, read back without waiting for them: they come some frames late.
 
 use super::context::Context;
 use bytemuck::{AnyBitPattern, NoUninit};
@@ -36,7 +36,7 @@ impl LateRead {
         self.state.load(Ordering::Acquire) == IDLE
     }
 
-    /// Asks for the first bytes of a buffer as they are after the commands so far; false if others are under way.
+    /// Requests the first bytes of a buffer as they are after the commands so far; false if others are under way.
     pub(super) fn ask(&self, encoder: &mut wgpu::CommandEncoder, from: &wgpu::Buffer, bytes: u64) -> bool {
         if !self.goes_on(IDLE, IN_FLIGHT) {
             return false;
@@ -49,7 +49,7 @@ impl LateRead {
         true
     }
 
-    /// Hands over what has come, once: no numbers where they cannot be read.
+    /// Hands over the bytes received, once: none if they cannot be read.
     pub(super) fn take<T: AnyBitPattern + NoUninit, R>(&self, of: impl FnOnce(Option<Vec<T>>) -> R) -> Option<R> {
         if !self.goes_on(MAPPED, READING) {
             return None;

@@ -1,8 +1,8 @@
 //! The wgpu renderer: five instancing strategies times the passes of each primitive.
 //!
-//! Long-lived knowledge (pipelines, layouts) is in `passes::Pipelines`, what is on the GPU in `residency`, one
-//! picture's order of passes in `plan`, its commands in `picture`. A strategy owns upload and draw call, a pass owns
-//! targets and blending; neither knows the other. A primitive (`primitives`) says which passes draw it.
+//! Long-lived knowledge (pipelines, layouts) is in `passes::Pipelines`, resident data in `residency`, the order of
+//! passes of one image in `plan`, its commands in `picture`. A strategy owns upload and draw call, a pass owns targets
+//! and blending; neither knows the other. A primitive (`primitives`) lists the passes that draw it.
 
 pub mod complexity;
 mod compute;

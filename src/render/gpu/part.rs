@@ -3,7 +3,7 @@
 use super::layout::Layout;
 use crate::scene::ScenePacket;
 
-/// Shader part of a screen-space pass, or of what several of them import.
+/// Shader part of a screen-space pass, or of several that import it.
 #[derive(Debug)]
 pub(in crate::render) struct Part {
     /// Declarations that its WGSL counts on.

@@ -1,23 +1,23 @@
-//! View-dependent texturing of all pixels, where what the input images do not show is filled from around (push–pull:
-//! Gortler et al. 1996, *The Lumigraph*, §3.5; how it works: `render/cpu/photos/push_pull.rs`).
+//! View-dependent texturing of all pixels, with surfaces not seen in the input images filled from their surroundings
+//! (push–pull: Gortler et al. 1996, *The Lumigraph*, §3.5; how it works: `render/cpu/photos/push_pull.rs`).
 //!
 //! A pass writes the sampled results; then there is a pass for each level of half the size, up to a single pixel, and
 //! one for each level down again. Levels are textures of their own, since mip levels are rounded down, and a pass that
-//! reads one level draws into another. Lighting is applied to what was filled.
+//! reads one level draws into another. Lighting is applied to the filled result.
 
 use super::context::Context;
 use super::textures::{texture, view};
 
-/// Half floats: every adapter blends them, and pictures have 8 bits.
+/// Half floats: every adapter blends them, and images have 8 bits.
 pub(super) const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 /// Textures of the view-dependent texturing results for one viewport size.
 #[derive(Debug)]
 pub(super) struct PhotoAnswers {
-    /// Colours times how sure they are, and that: of the size of the picture, and each of half the size of the one
-    /// before.
+    /// Colours times their confidence, and the confidence: of the size of the image, and each of half the size of the
+    /// one before.
     levels: Vec<wgpu::TextureView>,
-    /// Normals, and what is known of the pixel.
+    /// Normals, and the known data of the pixel.
     normals: wgpu::TextureView,
 }
 
@@ -45,7 +45,7 @@ impl PhotoAnswers {
         &self.levels[level]
     }
 
-    /// Colours and normals of the size of the picture.
+    /// Colours and normals of the size of the image.
     pub(super) fn finest(&self) -> [&wgpu::TextureView; 2] {
         [&self.levels[0], &self.normals]
     }

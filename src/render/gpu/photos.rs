@@ -71,8 +71,8 @@ impl PhotoTextures {
         [&self.table, &self.texels, &self.depths]
     }
 
-    /// Returns the table of the projections of the input images in the rendered image, and of the handling of what they
-    /// do not show.
+    /// Returns the table of the projections of the input images in the rendered image, and of the handling of surfaces
+    /// that they do not show.
     pub(super) fn table(&self) -> &wgpu::TextureView {
         &self.table
     }

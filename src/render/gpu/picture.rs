@@ -1,4 +1,4 @@
-//! Records the passes of one picture.
+//! Records the passes of one image.
 
 use super::constants::{SOURCE_GROUP, VIEW_GROUP};
 use super::context::Context;
@@ -77,7 +77,8 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Records the view-dependent texturing of all pixels, with what the input images do not show filled from around.
+    /// Records the view-dependent texturing of all pixels, with surfaces not seen in the input images filled from their
+    /// surroundings.
     fn answers_of_photos(&mut self, plan: &Plan<'_>) {
         // Without a check for holes: its result would arrive one image late.
         let coarsest = self.targets.coarsest_photo_level();
@@ -90,7 +91,7 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Clears the picture, and draws the gradient.
+    /// Clears the image, and draws the gradient.
     fn background(&mut self, plan: &Plan<'_>, background: Background) {
         let [red, green, blue] = background.top.map(|channel| f64::from(channel) / 255.0);
         let clear = wgpu::LoadOp::Clear(wgpu::Color {
@@ -204,7 +205,7 @@ impl<'a> Recorder<'a> {
         self.stats.draw_calls += 1;
     }
 
-    /// A pass over the screen with what it reads: textures, and its uniform behind them.
+    /// A pass over the screen with its inputs: textures, then its uniform.
     fn bound(&self, screen: &ScreenPass, plan: &Plan<'_>, level: usize) -> Option<BoundPass<'a>> {
         let textures = screen.source.map(|source| self.targets.sources(source, level));
         let textures = textures.into_iter().flatten().map(wgpu::BindingResource::TextureView);
@@ -222,7 +223,7 @@ impl<'a> Recorder<'a> {
     }
 }
 
-/// A pass over the screen with what it reads.
+/// A pass over the screen with its inputs.
 struct BoundPass<'a> {
     pipeline: &'a wgpu::RenderPipeline,
     source: wgpu::BindGroup,

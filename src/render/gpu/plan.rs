@@ -1,9 +1,9 @@
-//! The order of passes of one picture: the background, those of the primitive (`primitives/mod.rs`), and what is done
-//! over the whole picture at the end.
+//! The order of passes of one image: the background, those of the primitive (`primitives/mod.rs`), and the steps over
+//! the whole image at the end.
 //!
-//! Before them comes the map of a shadow, where there is one. Where shading is deferred, light falls on what the
-//! primitive left, and leaves sums that are resolved as others are. Effects (`render/effects`) stand where their stages
-//! are: on what is drawn, of sums before they are resolved; on the picture; and from it to the one that is shown.
+//! The shadow map comes first, if there is one. Where shading is deferred, the output of the primitive is lit, giving
+//! sums that are resolved like others. Effects (`render/effects`) run at their stages: on the drawn surface, on sums
+//! before they are resolved; on the image; and from it to the one shown.
 
 use super::gpu_data::ViewUniform;
 use super::passes::screen::{PHOTO_ANSWERS, PULL, PUSH, RESOLVE_PHOTOS};
@@ -36,7 +36,7 @@ pub(super) struct Plan<'a> {
     pub(super) precision: Precision,
 }
 
-/// Views that a picture can need: one for each pass over records, and that of the key light.
+/// Views that an image can need: one for each pass over records, and the key light's.
 pub(super) const VIEWS: usize = 3;
 
 /// The place of the view of the key light among them.
@@ -93,13 +93,13 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// The uniforms of each pass over records, the first of which are those of passes over the screen, and of the key
+    /// The uniforms of each pass over records, the first of which also serve passes over the screen, and of the key
     /// light.
     pub(super) fn views(&self, packet: &ScenePacket) -> Vec<ViewUniform> {
         let surfels = &packet.style.surfels;
         let [visibility, attribute] = surfels.splatting.scales(surfels.enlargement);
         // Only the attribute pass filters: filtered splats that are seen almost edge-on extend far beyond the surface,
-        // towards the eye as well, and in the visibility pass occluded what they should blend with.
+        // towards the eye as well, and in the visibility pass occluded splats they should blend with.
         let first = ViewUniform::new(packet, visibility);
         let second = ViewUniform::new(packet, attribute).of_attributes(packet.style.splat_filter());
         match &self.shadow {
@@ -168,7 +168,7 @@ impl<'a> Plan<'a> {
         self.drawable.draws_into(Target::Surfaces)
     }
 
-    /// Returns true if the depth buffer contains what is drawn when the passes over records are done.
+    /// Returns true if the depth buffer contains the drawn surface when the passes over records are done.
     pub(super) fn leaves_depths(&self) -> bool {
         self.drawable.passes.iter().any(|pass| pass.depth.is_some())
     }

@@ -7,8 +7,8 @@
 use std::io;
 use std::path::Path;
 
-/// Devices of cards whose drivers need no render node: NVIDIA's, of which containers may have any number, Windows'
-/// below Linux, AMD's for computing, and those of ARM, Qualcomm and NVIDIA's small boards.
+/// Devices of GPUs whose drivers need no render node: NVIDIA's (containers may have any number), Windows' below Linux,
+/// AMD's for computing, and ARM's, Qualcomm's and NVIDIA's on small boards.
 const DEVICES: &[&str] = &["nvidiactl", "dxg", "kfd", "mali0", "kgsl-3d0", "nvhost-gpu"];
 
 /// Returns false where there is certainly no GPU, so that no driver needs to be opened to look for one.
@@ -16,7 +16,7 @@ pub(crate) fn may_have_gpu() -> bool {
     !cfg!(target_os = "linux") || may_have_gpu_in(Path::new("/dev"))
 }
 
-/// [`may_have_gpu`] of a folder of device files. What cannot be looked at may be there.
+/// [`may_have_gpu`] of a folder of device files. Inaccessible devices may be there.
 fn may_have_gpu_in(devices: &Path) -> bool {
     has_name(devices, |name| DEVICES.contains(&name) || is_numbered(name, "nvidia"))
         || has_name(&devices.join("dri"), |name| is_numbered(name, "renderD"))

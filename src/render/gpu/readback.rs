@@ -1,4 +1,4 @@
-//! Reading a picture back to the CPU, through a staging buffer.
+//! Reading an image back to the CPU, through a staging buffer.
 
 use super::context::Context;
 use crate::render::RenderError;

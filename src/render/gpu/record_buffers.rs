@@ -1,14 +1,14 @@
-//! Streams of records that compute passes write: their chunks, in rooms that are used again.
+//! Streams of records that compute passes write: their chunks, in reused buffers.
 
 use super::context::Context;
 use super::instancing::{RECORD_BYTES, RecordBuffer, RecordInstancing, Stream};
 use super::primitives::Amplification;
 
-/// Maximum capacity of reused buffers, as a multiple of what is needed.
+/// Maximum capacity of reused buffers, as a multiple of the needed size.
 pub(super) const MAX_OVERSIZE: usize = 4;
 
-/// Chunks for so many records, in `record_buffers` that are large enough. The amplification says how long chunks may
-/// be.
+/// Chunks for this number of records, in `record_buffers` that are large enough. The amplification limits the length of
+/// chunks.
 pub(super) fn stream_in(
     context: &Context,
     instancing: &dyn RecordInstancing,

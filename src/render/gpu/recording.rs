@@ -12,7 +12,7 @@ pub(super) struct Recording<'a> {
 }
 
 impl<'a> Recording<'a> {
-    /// Starts recording what comes before the passes of an image.
+    /// Starts recording the commands before the passes of an image.
     pub(super) fn new(
         context: &'a Context,
         encoder: &'a mut wgpu::CommandEncoder,
@@ -42,7 +42,7 @@ impl<'a> Recording<'a> {
         self.encoder.clear_buffer(buffer, 0, Some(bytes));
     }
 
-    /// For what is neither pass nor copy to a texture.
+    /// For commands that are neither passes nor copies to a texture.
     pub(super) fn encoder(&mut self) -> &mut wgpu::CommandEncoder {
         self.encoder
     }

@@ -1,4 +1,4 @@
-//! [`GpuRenderer`]: keeps what pictures share, and makes the next one from a packet.
+//! [`GpuRenderer`]: holds the state shared by images, and makes the next one from a packet.
 
 use super::context::Context;
 use super::depth_images::DepthMaker;
@@ -58,7 +58,7 @@ pub struct GpuRenderer {
     color_generation: u64,
 }
 
-/// A packet, and what is drawn of it.
+/// A packet, and the plan of drawing it.
 #[derive(Debug, Clone)]
 struct Prepared {
     packet: ScenePacket,
@@ -126,7 +126,7 @@ impl GpuRenderer {
         &self.context
     }
 
-    /// The picture as a texture of the last packet's size; `None` before the first packet.
+    /// The image as a texture of the last packet's size; `None` before the first packet.
     pub fn color_view(&self) -> Option<&wgpu::TextureView> {
         self.targets.as_ref().map(|targets| targets.picture().1)
     }
@@ -136,7 +136,7 @@ impl GpuRenderer {
         self.color_generation
     }
 
-    /// Waits for the last picture and returns its GPU time; `None` where the adapter cannot measure it.
+    /// Waits for the last image and returns its GPU time; `None` if the adapter cannot measure it.
     pub fn wait_gpu_ms(&mut self) -> Option<f64> {
         let context = Arc::clone(&self.context);
         // Without timestamps, the number of visible points still has to be waited for.
@@ -166,8 +166,7 @@ impl GpuRenderer {
         depth_images.wait_times(context).map(Some)
     }
 
-    /// Takes notice of the times of culling and normals, if the last picture that was measured has them: one that is
-    /// drawn again has not.
+    /// Records the times of culling and normals, if the last measured image has them: one that is drawn again does not.
     fn note_screen_times(&mut self) {
         let passes = self.timer.as_ref().map(|timer| timer.last().passes).unwrap_or_default();
         let time_of = |name| {
@@ -195,8 +194,8 @@ impl GpuRenderer {
         })
     }
 
-    /// Sets how many bytes of points and voxels stay on the GPU for pictures to come. Those of the picture that is
-    /// drawn stay whatever the budget.
+    /// Sets how many bytes of points and voxels stay on the GPU for images to come. Those of the image being drawn stay
+    /// regardless of the budget.
     pub fn set_resident_budget_bytes(&mut self, budget_bytes: u64) {
         self.residency.set_budget_bytes(budget_bytes);
     }
@@ -210,8 +209,8 @@ impl GpuRenderer {
         }
     }
 
-    /// The commands that draw what was prepared, for whoever submits them together with others; `None` if it is drawn
-    /// already. They are to be submitted before another packet is prepared, which overwrites what they read.
+    /// The commands that draw the prepared packet, for a caller that submits them together with others; `None` if it is
+    /// drawn already. They are to be submitted before another packet is prepared, which overwrites their inputs.
     pub fn encode(&mut self) -> Result<Option<wgpu::CommandBuffer>, RenderError> {
         self.context.check_alive()?;
         let Prepared { packet, drawn } = self.prepared.clone().ok_or(RenderError::NothingPrepared)?;
@@ -227,7 +226,7 @@ impl GpuRenderer {
         Ok(Some(commands))
     }
 
-    /// Forgets what was drawn, so that the same packet is drawn again: benchmarks measure that.
+    /// Discards the drawn image, so that the same packet is drawn again, for benchmarks.
     pub fn invalidate(&mut self) {
         self.drawn = None;
     }
@@ -357,8 +356,8 @@ impl GpuRenderer {
         Ok(())
     }
 
-    /// Uploads what `plan` draws and is not resident; keeps the residency within its budget. Where that does not fit
-    /// into the memory of the GPU, all else makes room for it.
+    /// Uploads the streams that `plan` draws and that are not resident; keeps the residency within its budget. If they
+    /// do not fit into the memory of the GPU, everything else is evicted.
     fn ensure_streams(&mut self, plan: &Plan<'_>) -> Result<(), RenderError> {
         let has_others = self.residency.resident_bytes() > 0;
         let mut result = self.upload_streams(plan);
@@ -539,8 +538,8 @@ impl Renderer for GpuRenderer {
     }
 }
 
-/// Returns the instancing by which the records of a plan reach the vertex stage: that of the strategy, or always the
-/// indexed one for meshes.
+/// Returns the instancing by which the records of a plan reach the vertex stage: the strategy's, or always the indexed
+/// one for meshes.
 fn instancing_of<'a>(
     plan: &Plan<'_>,
     of_strategy: &'a mut dyn RecordInstancing,

@@ -1,7 +1,7 @@
 //! GPU residency of record streams: looping over a sequence, moving the camera and switching modes upload nothing that
 //! is there already.
 //!
-//! Streams are identified by the allocation of their records. A weak reference is kept with each, so that the address
+//! Streams are identified by the allocation of their records. A weak reference is held with each, so that the address
 //! of a cloud that is gone cannot be taken for that of a new one; streams whose cloud is gone are evicted first, then
 //! the least recently drawn, down to the budget.
 
@@ -43,7 +43,7 @@ enum StreamUse {
     Drawn,
     /// Some of them are gathered.
     Gathered,
-    /// They are points of images, in one colour or in those of these.
+    /// They are points of images, in one colour or in the images' colours.
     OfImages(Option<[u8; 4]>),
 }
 
@@ -147,7 +147,7 @@ impl Residency {
         }
     }
 
-    /// Sets how many bytes stay; what is more is dropped when the next picture is prepared.
+    /// Sets the number of bytes that stay; any excess is dropped when the next image is prepared.
     pub(super) fn set_budget_bytes(&mut self, budget_bytes: u64) {
         self.budget_bytes = budget_bytes;
     }
@@ -184,7 +184,7 @@ impl Residency {
         self.streams.get(&key).map(|resident| &resident.stream)
     }
 
-    /// Drops what is gone, then what was not drawn for longest, but never `keep`.
+    /// Drops streams whose cloud is gone, then the least recently drawn, but never `keep`.
     pub(super) fn trim(&mut self, keep: &[StreamKey]) {
         let is_cached = |key: &StreamKey| keep.contains(key);
         self.streams

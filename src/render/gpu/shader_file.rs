@@ -20,5 +20,5 @@ macro_rules! shader_file {
 
 pub(in crate::render) use shader_file;
 
-/// WGSL that is made of what Rust knows, by the name that it is imported by.
+/// WGSL generated from Rust definitions, by the name that it is imported by.
 pub(super) type GeneratedRow = (&'static str, fn() -> String);

@@ -1,5 +1,5 @@
-//! Shader imports: files of `shaders/`, and WGSL that is generated from what Rust knows. A file that a single row
-//! names, as that of a pass, is with that row, and so is what it alone gets from Rust.
+//! Shader imports: files of `shaders/`, and WGSL generated from Rust definitions. A file that a single row names, such
+//! as a pass's, is with that row, and so are the definitions it alone gets from Rust.
 
 use super::constants;
 use super::gpu_data::{SplatVertex, ViewUniform};
@@ -38,7 +38,7 @@ pub(super) const LIBRARY: &[ShaderFile] = &[
     shader_file!("stereo/pair.wgsl"),
 ];
 
-/// WGSL snippets that are generated from what Rust knows.
+/// WGSL snippets that are generated from Rust definitions.
 pub(super) const GENERATED: &[GeneratedRow] = &[
     ("generated/constants", constants::shared),
     ("generated/splat_vertex", || SplatVertex::LAYOUT.declaration()),

@@ -61,7 +61,7 @@ impl Watch {
     }
 }
 
-/// When a file of a folder, or of one in it, was changed last.
+/// Time of the last change of a file in a folder, or in one below it.
 fn newest(folder: &Path) -> Option<SystemTime> {
     let entries = std::fs::read_dir(folder).ok()?.filter_map(Result::ok);
     let times = entries.filter_map(|entry| {

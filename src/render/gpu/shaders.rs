@@ -48,7 +48,7 @@ pub enum Permutation {
 }
 
 impl Permutation {
-    /// Every module that a renderer can ask for.
+    /// Every module that a renderer can request.
     pub fn all() -> Vec<Self> {
         let mut all: Vec<Self> = screen_passes().map(Self::Screen).collect();
         all.extend([

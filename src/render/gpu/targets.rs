@@ -22,7 +22,7 @@ const ENVIRONMENT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float
 pub(super) enum Precision {
     /// Half floats: every adapter blends them, and they hold a sum of some splats to a part in 2048.
     Half,
-    /// Many small splats a pixel do not stop to add up.
+    /// Many small splats per pixel still add up.
     Single,
 }
 
@@ -33,7 +33,7 @@ pub(in crate::render) enum Target {
     Picture,
     /// Cleared by the pass over records that draws into it.
     Sums,
-    /// Three textures, cleared in the same way: sums of colours, of normals and of nearnesses, which light falls on.
+    /// Three textures, cleared in the same way: sums of colours, of normals and of nearnesses, which are lit.
     Surfaces,
     /// Two textures with the view-dependent texturing result of each pixel, as colours and as normals.
     PhotoAnswers,
@@ -47,7 +47,7 @@ pub(in crate::render) enum Target {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::render) enum Source {
     Picture,
-    /// A copy of it, for passes that draw into the picture itself.
+    /// A copy of it, for passes that draw into the image itself.
     PictureCopy,
     /// Sums of colours, and depths.
     Sums,
@@ -60,7 +60,7 @@ pub(in crate::render) enum Source {
     TexturedSums,
     /// Inputs as for surfaces, the table of input images, and the view-dependent texturing result of each pixel.
     PhotoAnswers,
-    /// The next finer level of the pyramid over what they say than the one that is drawn into.
+    /// The level of the pyramid over their results that is one finer than the one drawn into.
     FinerLevel,
     /// The next coarser one.
     CoarserLevel,
@@ -104,7 +104,7 @@ impl TextureKind {
 /// A texture by its name in WGSL.
 type NamedTexture = (&'static str, TextureKind);
 
-/// Sums, depths, and what light depends on.
+/// Sums, depths, and the inputs of lighting.
 const SURFACE_TEXTURES: [NamedTexture; 6] = [
     ("colors", TextureKind::Color),
     ("normals", TextureKind::Color),
@@ -150,7 +150,7 @@ impl Source {
 /// The place of the environment among the textures of surfaces.
 const ENVIRONMENT: usize = 5;
 
-/// Widths and heights of pictures.
+/// Widths and heights of images.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct SizesPx {
     pub(super) drawn: [u32; 2],
@@ -179,7 +179,7 @@ impl Target {
 #[derive(Debug)]
 pub(super) struct Targets {
     size_px: [u32; 2],
-    /// The size of the picture that is shown, where that is another texture than the one that is drawn into.
+    /// The size of the image shown, if that is another texture than the one drawn into.
     shown_px: Option<[u32; 2]>,
     /// Precision of the sums.
     pub(super) precision: Precision,
@@ -192,10 +192,10 @@ pub(super) struct Targets {
     pub(super) depth_view: wgpu::TextureView,
     /// Textures of [`Target::Surfaces`], once shading was deferred.
     surfaces: Option<Vec<wgpu::TextureView>>,
-    /// The depths that the key light sees, and what they were drawn from; a texel that is never read until then.
+    /// The depths that the key light sees, and their inputs; a texel that is never read until then.
     shadow_map: wgpu::TextureView,
     shadow_of: Option<ScenePacket>,
-    /// The environment that physical shading reads, and what it was made of; a texel until then.
+    /// The environment that physical shading reads, and its inputs; a texel until then.
     environment: wgpu::TextureView,
     environment_of: Option<Arc<PhysicalTables>>,
     /// Textures of the input images, once view-dependent texturing was used.
@@ -278,7 +278,7 @@ impl Targets {
         self.environment_of = Some(Arc::clone(tables));
     }
 
-    /// The shadow map of what a lamp sees; `None` if that is what it has already.
+    /// The shadow map of a lamp's view; `None` if it has that already.
     pub(super) fn outdated_shadow_map(&mut self, lamp_packet: &ScenePacket) -> Option<&wgpu::TextureView> {
         if self.shadow_of.as_ref() == Some(lamp_packet) {
             return None;
@@ -297,7 +297,7 @@ impl Targets {
         }
     }
 
-    /// Makes the texture of a copy of the picture unless it is there.
+    /// Makes the texture of a copy of the image unless it is there.
     pub(super) fn ensure_picture_copy(&mut self, context: &Context) {
         self.picture_copy.get_or_insert_with(|| {
             let usage = wgpu::TextureUsages::COPY_DST;
@@ -307,7 +307,7 @@ impl Targets {
         });
     }
 
-    /// Copies the picture as it is.
+    /// Copies the image unchanged.
     pub(super) fn copy_picture(&self, encoder: &mut wgpu::CommandEncoder) {
         if let Some((copy, _)) = &self.picture_copy {
             encoder.copy_texture_to_texture(self.color.as_image_copy(), copy.as_image_copy(), copy.size());
@@ -322,7 +322,7 @@ impl Targets {
         }
     }
 
-    /// The picture that is shown.
+    /// The image shown.
     pub(super) fn picture(&self) -> (&wgpu::Texture, &wgpu::TextureView) {
         match &self.shown {
             Some((texture, view)) => (texture, view),
@@ -352,7 +352,7 @@ impl Targets {
         self.answers.as_ref().map_or(0, PhotoAnswers::coarsest)
     }
 
-    /// Returns the texture views that a pass draws into; for a pyramid, those of `level`. Precondition for surfaces:
+    /// Returns the texture views that a pass draws into; for a pyramid, the ones of `level`. Precondition for surfaces:
     /// [`Targets::ensure_surfaces`], for view-dependent texturing results: [`Targets::ensure_photo_answers`].
     pub(super) fn views(&self, target: Target, level: usize) -> Vec<&wgpu::TextureView> {
         match target {

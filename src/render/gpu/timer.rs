@@ -1,7 +1,7 @@
-//! GPU time of a picture, by two timestamps for each of its passes: when it begins and when it ends.
+//! GPU time of an image, by two timestamps for each of its passes: when it begins and when it ends.
 //!
 //! Timestamps can be missing, zero or run backwards; then there is no time rather than a wrong one. The window never
-//! waits for them: a measurement that is still under way when the next picture starts is left alone.
+//! waits for them: a measurement that is still under way when the next image starts is left alone.
 
 use super::context::Context;
 use super::late_read::LateRead;
@@ -16,7 +16,7 @@ pub(super) struct Timer {
     resolved: wgpu::Buffer,
     late: LateRead,
     recorded: bool,
-    /// The passes of the picture that is timed.
+    /// The passes of the timed image.
     passes: Vec<&'static str>,
     last: GpuTimes,
 }
@@ -37,7 +37,7 @@ pub(super) struct Stamps<'a> {
 }
 
 impl Timer {
-    /// `None` where the adapter has no timestamps.
+    /// `None` if the adapter has no timestamps.
     pub(super) fn new(context: &Context) -> Option<Self> {
         if !context.has_timestamps {
             return None;
@@ -62,7 +62,7 @@ impl Timer {
         })
     }
 
-    /// A picture begins.
+    /// Begins an image.
     pub(super) fn begin(&mut self, context: &Context) {
         self.collect(context);
         self.recorded = self.late.is_idle();
@@ -84,7 +84,7 @@ impl Timer {
         })
     }
 
-    /// Asks for the result as well, which comes some time after the commands were submitted.
+    /// Requests the result as well, which comes some time after the commands were submitted.
     pub(super) fn end(&mut self, encoder: &mut wgpu::CommandEncoder) {
         let count = 2 * self.passes.len() as u32;
         if !std::mem::take(&mut self.recorded) || count == 0 {
@@ -110,7 +110,7 @@ impl Timer {
         self.last
     }
 
-    /// Waits for the times of the last picture.
+    /// Waits for the times of the last image.
     pub(super) fn wait(&mut self, context: &Context) -> Option<GpuTimes> {
         context.wait().ok()?;
         self.collect(context);

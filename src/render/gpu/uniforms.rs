@@ -1,4 +1,4 @@
-//! The uniforms of the parts of one picture, in one buffer.
+//! The uniforms of the parts of one image, in one buffer.
 
 use super::context::Context;
 use super::passes::ScreenPass;
@@ -12,7 +12,7 @@ pub(super) struct PartUniforms {
     offsets: Vec<(&'static str, u64)>,
 }
 
-/// Room for those of most pictures.
+/// Capacity for the uniforms of most images.
 const USUAL_BYTES: u64 = 4096;
 
 impl PartUniforms {
@@ -23,7 +23,7 @@ impl PartUniforms {
         }
     }
 
-    /// Uploads those of passes over a packet.
+    /// Uploads the uniforms of passes over a packet.
     pub(super) fn prepare(
         &mut self,
         context: &Context,

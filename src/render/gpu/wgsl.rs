@@ -1,8 +1,8 @@
-//! WGSL assembly of a shader. WGSL has no includes: files declare in lines `#import NAME` what they need, a shader
-//! names some files, and what these need is put before them, each file once.
+//! WGSL assembly of a shader. WGSL has no includes: files declare their imports in lines `#import NAME`, a shader names
+//! some files, and their imports are put before them, each file once.
 //!
-//! A name is that of a file of `shaders/`, or of something that Rust knows as well (`generated/…`), so that no
-//! constant, structure or binding is written twice. What only some shaders have (as the source of records) is not
+//! A name denotes a file of `shaders/`, or something defined in Rust as well (`generated/…`), so that no constant,
+//! structure or binding is written twice. Parts that only some shaders have (such as the source of records) are not
 //! imported: a shader names one of the files that have it.
 
 use super::shader_library::{GENERATED, LIBRARY};
@@ -39,8 +39,8 @@ pub enum ImportError {
     },
 }
 
-/// The WGSL of `files` and of all that they import, behind what is `given` to this shader alone: texts by the names
-/// that they are imported by.
+/// The WGSL of `files` and of all that they import, after the texts `given` to this shader alone, by the names that
+/// they are imported by.
 pub(super) fn assembled(given: &[(&str, String)], files: &[ShaderFile]) -> Result<String, ImportError> {
     let of_given = given.iter().map(|(name, _)| *name);
     let roots: Vec<&str> = of_given.chain(files.iter().map(|file| file.name)).collect();
@@ -58,7 +58,7 @@ pub(super) fn assembled(given: &[(&str, String)], files: &[ShaderFile]) -> Resul
     })
 }
 
-/// A source; where an import cannot be followed, that is logged, and the adapter refuses what is left.
+/// A source; an import that cannot be followed is logged, and the adapter refuses the rest.
 pub(super) fn source_or_nothing(source: Result<String, ImportError>) -> String {
     source.unwrap_or_else(|error| {
         log::error!("shaders: {error}");
@@ -114,7 +114,7 @@ impl<'a, Texts: Fn(&str) -> Option<Cow<'a, str>>> Assembly<Texts> {
         Ok(())
     }
 
-    /// Adds what the file begun last imports in a line, unless it is there.
+    /// Adds the import in a line of the file begun last, unless it is there.
     fn import(&mut self, name: &str, line: usize) -> Result<(), ImportError> {
         if self.done.iter().any(|done| done == name) {
             return Ok(());

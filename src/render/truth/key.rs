@@ -19,7 +19,7 @@ enum TruthSubject<'a> {
 }
 
 impl<'a> TruthKey<'a> {
-    /// That of [`Truth::of_disks`](super::Truth::of_disks).
+    /// The key of [`Truth::of_disks`](super::Truth::of_disks).
     pub fn of_disks(disks: Disks<'a>, view: &'a TruthView) -> Self {
         Self {
             view,
@@ -27,7 +27,7 @@ impl<'a> TruthKey<'a> {
         }
     }
 
-    /// That of [`Truth::of_shape`](super::Truth::of_shape).
+    /// The key of [`Truth::of_shape`](super::Truth::of_shape).
     pub fn of_shape(shape: RayTraced, view: &'a TruthView, tolerance: f64) -> Self {
         Self {
             view,
@@ -35,7 +35,7 @@ impl<'a> TruthKey<'a> {
         }
     }
 
-    /// That of [`Truth::of_mesh`](super::Truth::of_mesh).
+    /// The key of [`Truth::of_mesh`](super::Truth::of_mesh).
     pub fn of_mesh(mesh: &'a MeshRecords, view: &'a TruthView, tolerance: f64) -> Self {
         Self {
             view,
@@ -43,7 +43,7 @@ impl<'a> TruthKey<'a> {
         }
     }
 
-    /// Width and height of the picture.
+    /// Width and height of the image.
     pub fn size_px(&self) -> [u32; 2] {
         self.view.size_px
     }

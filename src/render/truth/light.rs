@@ -1,7 +1,7 @@
 //! Light on the surfaces of the ground truth, at each sample.
 //!
-//! The formulas are those of the renderers (`shaders/common/light.wgsl`, `shaders/common/physical.wgsl`), in f64: what
-//! the picture of a mode is measured against has its light.
+//! The formulas are those of the renderers (`shaders/common/light.wgsl`, `shaders/common/physical.wgsl`), in f64: the
+//! reference that the image of a mode is measured against has its light.
 
 use super::rays::TruthView;
 use crate::render::constants::{HEADLIGHT_AMBIENT, HEADLIGHT_SHININESS, HEADLIGHT_SPECULAR};
@@ -12,7 +12,7 @@ use glam::DVec3;
 const MIN_LOSS: f64 = 1e-6;
 
 impl TruthView {
-    /// Returns a colour (0 to 1) lit as the view says. Vectors in view space; the normal has unit length.
+    /// Returns a colour (0 to 1) lit by the view's settings. Vectors in view space; the normal has unit length.
     pub(super) fn lit(&self, color: DVec3, normal: DVec3, ray: DVec3) -> DVec3 {
         if let Some(physical) = &self.physical {
             let to_eye = -ray.normalize();

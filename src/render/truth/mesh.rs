@@ -1,13 +1,13 @@
 //! Ray casting of the triangles of a file, one ray at a time.
 //!
-//! How it works: the nearest triangle that a ray meets is what is seen ([`TriangleTree`]). Its colour is that of its
-//! vertices, times its texture as light is, and its normal that of the vertices, where the file has some, else of the
-//! face: as the mesh primitive has them (`shaders/primitives/mesh.wgsl`), in f64. Texels are read as there, between
-//! four of them; the samples of a pixel are their filter.
+//! How it works: the nearest triangle that a ray meets is seen ([`TriangleTree`]). Its colour is the vertices', times
+//! its texture in linear light, and its normal the vertices', if the file has some, else the face's: as in the mesh
+//! primitive (`shaders/primitives/mesh.wgsl`), in f64. Texels are read as there, between four of them; the samples of a
+//! pixel are their filter.
 //!
 //! Triangles have two sides, unlike disks and shapes. Their order of corners is not reliable in scans: to cull by it
-//! would punch holes into the truth. And a surface hides what is behind it from either side. Closed meshes are the same
-//! with and without. Vertices that belong to no triangle have no area and are not seen.
+//! would punch holes into the truth. And a surface occludes from either side. Closed meshes are the same with and
+//! without. Vertices that belong to no triangle have no area and are not seen.
 
 use super::light::{to_display, to_linear};
 use super::rays::{Hit, SampleGrid, TruthView, Visible, unit_color};
@@ -55,7 +55,7 @@ impl TracedMesh {
             let [red, green, blue, _] = vertex.color;
             unit_color([red, green, blue])
         }));
-        // The picture of the first corner: the others have the same.
+        // The texture of the first corner: the others have the same.
         if vertices[0].texture != VertexRecord::NO_TEXTURE {
             let at = mean(
                 vertices.map(|vertex| DVec3::new(vertex.texture_place[0].into(), vertex.texture_place[1].into(), 0.0)),

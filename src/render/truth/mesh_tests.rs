@@ -1,4 +1,4 @@
-//! Triangles with known pictures, and next to the formula of a sphere.
+//! Triangles with known images, and compared with the formula of a sphere.
 
 use super::*;
 use crate::cloud::{MeshRecords, Textures, TriangleRecord, VertexRecord, oct_encode};
@@ -110,7 +110,7 @@ fn a_slope_has_the_depths_of_its_plane_and_light_of_its_normal() {
             }
         }
         assert!(seen > 120, "{azimuth_deg}: {seen}");
-        // A pixel from the middle to the right and down, where the normal is (-0.6, 0, 0.8), or its opposite.
+        // A pixel to the right of and below the centre, where the normal is (-0.6, 0, 0.8), or its opposite.
         let slope = 0.025;
         let depth = 3.0 / (1.0 + 0.75 * slope);
         let facing = (0.6 * slope + 0.8) / (1.0f64 + 2.0 * slope * slope).sqrt();

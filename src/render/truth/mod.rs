@@ -1,9 +1,9 @@
-//! Ground-truth rendering: slow reference images of a view in f64 that those of renderers are measured against.
+//! Ground-truth rendering: slow reference images of a view in f64 that the renderers' images are measured against.
 //!
-//! How it works: each pixel is the mean of 8×8 samples, and each sample intersects its ray with the scene. For a shape
-//! with a formula that is the shape itself (`shapes.rs`), for a file with triangles these (`mesh.rs`); for another
-//! cloud it is all of its disks, or the ellipses of its file, without levels of detail (`surfels.rs`). Light is
-//! computed at each sample (`light.rs`). Depths are those at the pixel centres.
+//! How it works: each pixel is the mean of 8×8 samples, and each sample intersects its ray with the scene. The scene of
+//! a shape with a formula is the shape itself (`shapes.rs`), of a file with triangles these (`mesh.rs`), of any other
+//! cloud all of its disks, or the ellipses of its file, without levels of detail (`surfels.rs`). Light is computed at
+//! each sample (`light.rs`). Depths are taken at the pixel centres.
 //!
 //! When it wins: only here is nothing rounded to a pixel, a byte or an f32 before the end, and nothing omitted; it
 //! takes seconds where renderers take milliseconds.
@@ -31,30 +31,30 @@ use rays::{SampleGrid, TILE_PX, Visible};
 /// Samples along each edge of a pixel.
 const SAMPLES_PER_EDGE: u32 = 8;
 
-/// The true picture of a view.
+/// The true image of a view.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Truth {
     /// Display-referred, opaque.
     pub image: RgbaImage,
     /// Depth image, sampled at the centre of each pixel.
     pub depth: DepthImage,
-    /// By how much a depth may differ and still be of that surface: a splat's diameter; infinite where nothing is seen.
+    /// Tolerance within which a depth still counts as that surface: a splat's diameter; infinite where nothing is seen.
     /// One for each pixel, scene units.
     pub tolerance: Vec<f32>,
 }
 
 impl Truth {
-    /// The true picture of the disks of a cloud.
+    /// The true image of the disks of a cloud.
     pub fn of_disks(disks: &Disks<'_>, view: &TruthView) -> Self {
         Self::of(&disks.seen_from(view), view)
     }
 
-    /// The true picture of a shape, with the tolerance of its depths.
+    /// The true image of a shape, with the tolerance of its depths.
     pub fn of_shape(shape: RayTraced, view: &TruthView, tolerance: f64) -> Self {
         Self::of(&shapes::Traced { shape, tolerance }, view)
     }
 
-    /// The true picture of triangles, with the tolerance of their depths.
+    /// The true image of triangles, with the tolerance of their depths.
     pub fn of_mesh(mesh: &TracedMesh, view: &TruthView, tolerance: f64) -> Self {
         Self::of(&mesh::ToleratedMesh { mesh, tolerance }, view)
     }

@@ -77,7 +77,7 @@ impl TruthView {
         }
     }
 
-    /// The ray through a place of the picture, in view space: as long as makes its depth 1.
+    /// The ray through a place of the image, in view space: with a length that makes its depth 1.
     pub(super) fn ray(&self, place_px: [f64; 2]) -> DVec3 {
         DVec3::new(
             (place_px[0] - self.axis_px.x) / self.px_per_slope.x,
@@ -102,7 +102,7 @@ impl SampleGrid {
         [&self.columns_px, &self.rows_px].map(|range| range.len() * self.per_edge as usize)
     }
 
-    /// The place of a sample in the picture.
+    /// The place of a sample in the image.
     pub(super) fn place_px(&self, column: usize, row: usize) -> [f64; 2] {
         let place = |first: u32, sample: usize| f64::from(first) + (sample as f64 + 0.5) / f64::from(self.per_edge);
         [place(self.columns_px.start, column), place(self.rows_px.start, row)]

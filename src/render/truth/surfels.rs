@@ -1,9 +1,9 @@
 //! Ray casting of the surface formed by the disks or ellipses of a cloud, one ray at a time.
 //!
-//! How it works: of the disks that a ray meets, the nearest determines the surface. Its colour is the mean of those
-//! that are met no farther behind it than its radius, weighted by the Gaussian of the 4D media paper §V around their
-//! centres and normalised: what splatting in two passes (the 4D media paper §V-C; Sainz and Pajarola 2004 §3) aims at,
-//! without its shortcuts. Everything is f64.
+//! How it works: the nearest disk that a ray meets determines the surface. Its colour is the mean of the disks met no
+//! farther behind it than its radius, weighted by the Gaussian of the 4D media paper §V around their centres and
+//! normalised: what splatting in two passes (the 4D media paper §V-C; Sainz and Pajarola 2004 §3) aims at, without its
+//! approximations. Everything is f64.
 //!
 //! Disks have their actual size: compared with a ray-traced sphere and torus, enlarged ones (as the second pass of
 //! splatting has them) were farther from the truth, by 30 to 60 % at 1.5 and by 60 to 110 % at 2 times the radius.
@@ -19,9 +19,10 @@ use std::f64::consts::SQRT_2;
 pub struct Disks<'a> {
     /// Positions and colours.
     pub points: &'a [PointRecord],
-    /// Normals and radii, as many.
+    /// Normals and radii, one per point.
     pub shapes: &'a [ShapeRecord],
-    /// True if their ellipses are used: those of a file. Estimated ones represent a cloud less well than its points do.
+    /// True if their ellipses are used, when they come from a file. Estimated ones represent a cloud less well than its
+    /// points do.
     pub are_ellipses: bool,
     /// True if back faces are culled.
     pub cull_back_faces: bool,

@@ -1,4 +1,4 @@
-//! Pictures with known answers, and both kinds of truth against each other.
+//! Images with known answers, and both kinds of truth compared with each other.
 
 use super::*;
 use crate::cloud::{Ellipse, PointRecord, ShapeRecord, encode_ellipse, oct_encode};
@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 const GREY: Background = Background::solid([119; 3]);
 
-/// From the front, `distance` away from the middle, with a cotangent of 1: a slope of 1 is at the upper edge.
+/// From the front, `distance` away from the centre, with a cotangent of 1: a slope of 1 is at the upper edge.
 fn front(distance: f64) -> Camera {
     Camera {
         target_in_world: DVec3::ZERO,

@@ -2,8 +2,8 @@
 //!
 //! How it works: triangles are divided at the median of their centroids, along the longest edge of the box around
 //! these, until four are left; so no branch is deeper than the logarithm of their number. A ray visits the nearer half
-//! first and skips boxes behind what it has met. The test of a triangle is that of Woop, Benthin and Wald 2013: the
-//! edge functions of two triangles that share an edge are negatives of each other to the last bit, so that no ray slips
+//! first and skips boxes behind its nearest hit. The triangle test follows Woop, Benthin and Wald 2013: the edge
+//! functions of two triangles that share an edge are negatives of each other to the last bit, so that no ray slips
 //! between them.
 //!
 //! Not one of the crates: their rays are f32, or their tests are not watertight.
@@ -13,7 +13,7 @@ use glam::DVec3;
 /// Triangles that are not divided further.
 const MAX_LEAF: usize = 4;
 
-/// Share by which boxes are nearer and farther than they seem, more than what rounding adds to depths.
+/// Relative margin of boxes, near and far, more than rounding adds to depths.
 const SLACK: f64 = 1e-12;
 
 /// Triangles by the boxes around them.
@@ -52,7 +52,7 @@ pub(super) struct TriangleHit {
 pub(super) struct Ray {
     from: DVec3,
     direction: DVec3,
-    /// Axes, of which the last is the one along which the direction is longest.
+    /// Axes; the last is the one along which the direction is longest.
     axes: [usize; 3],
     /// Shear to a direction along the last of these axes.
     shear: DVec3,
@@ -241,7 +241,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The nearest of all triangles, of which each is tested.
+    /// The nearest of all triangles, testing each.
     fn by_brute_force(triangles: &[[DVec3; 3]], ray: &Ray) -> Option<TriangleHit> {
         let hits = triangles.iter().enumerate().filter_map(|(triangle, corners)| {
             let (depth, shares) = ray.meet(corners)?;

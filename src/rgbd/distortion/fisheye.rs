@@ -3,7 +3,7 @@
 use super::turn::{BEFORE_TURN, WIDEST, first_beyond};
 use glam::DVec2;
 
-/// Newton steps; the bracket alone is exact after as many.
+/// Newton steps; the bracket alone is exact after this many.
 const MAX_STEPS: usize = 60;
 
 /// Distance from the centre at which the angle `theta` is shown, and how fast that grows.

@@ -26,7 +26,7 @@ pub enum Distortion {
         /// p₁, p₂.
         p: [f64; 2],
     },
-    /// Polynomial distortion divided by a second polynomial, of k₄ k₅ k₆.
+    /// Polynomial distortion divided by another one, of k₄ k₅ k₆.
     Rational {
         /// k₁ to k₆.
         k: [f64; 6],
@@ -51,7 +51,7 @@ impl Distortion {
         }
     }
 
-    /// Its coefficients, in the order of OpenCV: k₁ k₂ p₁ p₂ k₃ to k₆, or those of the angle.
+    /// Its coefficients, in the order of OpenCV: k₁ k₂ p₁ p₂ k₃ to k₆, or the coefficients of the angle.
     pub fn coefficients(&self) -> Vec<f64> {
         match *self {
             Self::None => Vec::new(),

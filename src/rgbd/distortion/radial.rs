@@ -39,7 +39,7 @@ impl Radial {
         (n / d, (dn * d - n * dd) / (d * d))
     }
 
-    /// Distance up to which what is further outside is shown further outside.
+    /// Distance up to which the mapping is monotonic.
     pub(super) fn reach(&self) -> f64 {
         let turns = |radius: f64| {
             let s = radius * radius;

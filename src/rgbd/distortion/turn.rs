@@ -1,6 +1,6 @@
 //! Turning point of a lens polynomial.
 
-/// Tangent of 89 degrees: depth along the axis says nothing of what is further aside.
+/// Tangent of 89 degrees: depth along the axis says nothing about points further aside.
 pub(super) const WIDEST: f64 = 57.289_961_630_759_42;
 
 /// Fraction of the turning point of its polynomial up to which a lens is used: nearer to it the inverse loses all

@@ -6,9 +6,9 @@
 //!
 //! *How it works.* Both exponents are added, so a weight is one power of two: the whole part goes into the bits of the
 //! exponent, a polynomial stands for the rest. That is off by two thousandths at most, which moves a mean of neighbours
-//! that are within a centimetre by hundredths of a millimetre. The sum is one of differences, D(q) − D(p): a plane of
-//! one depth comes back exactly. What was not measured is so far away that its weight is 2⁻¹²⁶, which no sum that holds
-//! the 1 of the centre notices; so nothing is tested for it. Eight pixels of a row are computed at once.
+//! that are within a centimetre by hundredths of a millimetre. The sum is over differences, D(q) − D(p): a plane of one
+//! depth comes back exactly. An unmeasured pixel is so far away that its weight is 2⁻¹²⁶, which does not change a sum
+//! that holds the 1 of the centre; so no test is needed for it. Eight pixels of a row are computed at once.
 
 use super::constants::{BILATERAL_REACH as REACH, MIN_EXPONENT, SENSOR_BEST_M, SENSOR_NOISE_M, SENSOR_NOISE_PER_M};
 use super::padded::{LANES, Padded, by_blocks, load};
@@ -41,7 +41,8 @@ impl Bilateral {
         noise_factor: 3.0,
     };
 
-    /// `σ_d` of a pixel at `depth_m`: usually three times the noise 1.2 mm + 1.9 mm · (z − 0.4)² (Nguyen et al. 2012).
+    /// `σ_d` of a pixel at `depth_m`: three times the noise by default, 1.2 mm + 1.9 mm · (z − 0.4)² (Nguyen et al.
+    /// 2012).
     pub fn sigma_depth_m(&self, depth_m: f32) -> f32 {
         self.depth_m.unwrap_or_else(|| {
             let beyond = depth_m - SENSOR_BEST_M;

@@ -16,5 +16,6 @@ pub(crate) const SENSOR_BEST_M: f32 = 0.4;
 pub(crate) const SENSOR_NOISE_M: f32 = 0.0012;
 pub(crate) const SENSOR_NOISE_PER_M: f32 = 0.0019;
 
-/// Least exponent of 2 of a weight: what is less is nothing, and no number that adapters take for zero.
+/// Minimum exponent of 2 of a weight: smaller ones are negligible, and this is not a number that adapters flush to
+/// zero.
 pub(crate) const MIN_EXPONENT: f32 = -126.0;

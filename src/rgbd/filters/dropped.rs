@@ -2,7 +2,7 @@
 //!
 //! Filters that the user chose are applied. The default ones are for a typical sensor in a typical room: in another
 //! scene they may drop most pixels. A default filter that would drop more than half of the measured pixels is not
-//! applied, and one that drops more than a fifth is named: of the recordings at hand (Redwood, PCL's grabbers) the
+//! applied, and one that drops more than a fifth is named: in the recordings tested (Redwood, PCL's grabbers) the
 //! default filters drop a few per cent.
 
 use super::parameters::KINDS;
@@ -24,14 +24,14 @@ pub struct DroppedPixels {
     pub share: f64,
 }
 
-/// Filters that were applied to one image, and what became of its pixels.
+/// Filters that were applied to one image, and the fate of its pixels.
 #[derive(Debug, Clone, Default)]
 pub struct FilterReport {
-    /// Those that were applied.
+    /// The filters that were applied.
     pub applied: Filters,
-    /// Those among them that dropped pixels.
+    /// Applied filters that dropped pixels.
     pub dropped: Vec<DroppedPixels>,
-    /// Those that were not applied, as they would drop most of the image.
+    /// Filters that were not applied, as they would drop most of the image.
     pub skipped: Vec<DroppedPixels>,
 }
 

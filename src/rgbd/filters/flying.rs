@@ -1,7 +1,7 @@
-//! Flying pixels: what a sensor invents between a surface and what is behind it.
+//! Flying pixels: points that a sensor invents between a surface and its background.
 //!
-//! A pixel is kept if enough of its eight neighbours are at its depth. That is tested on the image as it came, for all
-//! pixels at once: what one of them loses changes nothing for the next.
+//! A pixel is retained if enough of its eight neighbours are at its depth. All pixels are tested on the unfiltered
+//! image: dropping one does not affect the next.
 
 use super::padded::{LANES, Padded, by_blocks, load};
 use crate::rgbd::DepthImage;
@@ -25,7 +25,7 @@ pub struct FlyingPixels {
     pub max_share: f32,
     /// Neighbours that have to be as near.
     pub min_neighbours: u8,
-    /// So many pixels more are taken off along every edge.
+    /// Number of further pixels removed along every edge.
     pub erosion_px: u8,
 }
 
@@ -48,7 +48,7 @@ impl FlyingPixels {
         retained
     }
 
-    /// The pixels of `depth` that have at least so many neighbours at their depth.
+    /// The pixels of `depth` with at least this many neighbours at their depth.
     fn keep(&self, depth: &DepthImage, min: u8) -> DepthImage {
         let padded = Padded::of(depth, 1, NOWHERE_M);
         let min = f32::from(min);

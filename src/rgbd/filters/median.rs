@@ -2,8 +2,8 @@
 //!
 //! *How it works.* Forgetful selection (McGuire 2008): of fourteen values neither the smallest nor the largest can be
 //! the median of 25, so both are forgotten and the next value is taken in, until three are left. Exchanges have no
-//! branches, so eight pixels are sorted at once. What was not measured counts in turn as less and as more than
-//! everything, less first: then the median of 25 is the lower median of those that were measured.
+//! branches, so eight pixels are sorted at once. Unmeasured pixels count in turn as less and as more than everything,
+//! less first: then the median of 25 is the lower median of the measured ones.
 
 use super::constants::{MEDIAN_REACH as REACH, MEDIAN_RETAINED as RETAINED};
 use super::padded::{LANES, Padded, by_blocks, load};
@@ -119,7 +119,7 @@ mod tests {
     use super::*;
     use crate::rgbd::filters::test_images::{noise, plane_with_holes};
 
-    /// By sorting.
+    /// The median by sorting.
     fn sorted_median(depth: &DepthImage) -> Vec<f32> {
         let (width, height) = (depth.width() as isize, depth.height() as isize);
         let pixel = |x: isize, y: isize| {

@@ -1,8 +1,8 @@
 //! Filters of depth images, in the order in which they are applied.
 //!
 //! Noise and outliers are dealt with while neighbours are still next to each other in an image, which costs a fixed
-//! number of steps a pixel (Hofer et al. 2018, §3.4). Each filter reads one image and writes another, line by line on
-//! all threads, so the result does not depend on how many there are. What was not measured stays not measured.
+//! number of steps per pixel (Hofer et al. 2018, §3.4). Each filter reads one image and writes another, line by line on
+//! all threads, so the result does not depend on their number. Unmeasured pixels stay unmeasured.
 
 mod bilateral;
 pub(crate) mod constants;
@@ -31,13 +31,13 @@ use super::images::DepthImage;
 /// Depth filters to apply; none by default.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Filters {
-    /// Distances that are kept.
+    /// Range of distances retained.
     pub near: Option<DepthRange>,
     /// True if the median filter of 5 × 5 pixels is applied.
     pub median: bool,
     /// The mean of 9 × 9 pixels that are at a similar depth.
     pub bilateral: Option<Bilateral>,
-    /// Pixels between a surface and what is behind it are dropped.
+    /// Pixels between a surface and its background are dropped.
     pub flying: Option<FlyingPixels>,
     /// The mean with the images before.
     pub temporal: Option<Temporal>,
@@ -53,7 +53,7 @@ impl Filters {
         temporal: None,
     };
 
-    /// Those that pictures are made with where nobody chose: all that look at one image alone.
+    /// The default filters: all that look at one image alone.
     pub const USUAL: Self = Self {
         near: Some(DepthRange::USUAL),
         median: true,

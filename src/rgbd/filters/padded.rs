@@ -1,4 +1,4 @@
-//! A copy of an image with a border, so that windows need no tests at its edges, and with room for whole registers.
+//! A copy of an image with a border, so that windows need no tests at its edges, padded for whole registers.
 
 use crate::rgbd::DepthImage;
 use fearless_simd::{Simd, SimdBase, f32x8};
@@ -35,8 +35,8 @@ impl Padded {
     }
 
     /// Returns the neighbourhood of the eight pixels that begin at `column` of a row, in the row that is `down` rows
-    /// further down: N pixels, of which the first is as far to the left as the border is wide. Precondition: N is
-    /// [`LANES`] and two borders.
+    /// further down: N pixels, the first as far to the left as the border is wide. Precondition: N is [`LANES`] and two
+    /// borders.
     #[inline(always)]
     pub(super) fn around<const N: usize>(&self, [column, row]: [usize; 2], down: usize) -> &[f32; N] {
         debug_assert_eq!(N, LANES + 2 * self.border);
@@ -51,8 +51,8 @@ pub(super) fn load<S: Simd, const N: usize>(simd: S, around: &[f32; N], first: u
     f32x8::from_slice(simd, &around[first..first + LANES])
 }
 
-/// A new image of the size of `depth`, of which `block` gives eight pixels of a row at a time, those behind the end of
-/// the row included.
+/// A new image of the size of `depth`; `block` gives eight pixels of a row at a time, including those past the end of
+/// the row.
 #[inline(always)]
 pub(super) fn by_blocks<S: Simd>(
     simd: S,

@@ -46,8 +46,8 @@ impl FilterParameter {
         (self.get)(filters)
     }
 
-    /// Sets it to the value in its range that is nearest to `value`, if its filter is applied. What is no number
-    /// changes nothing.
+    /// Sets it to the value in its range that is nearest to `value`, if its filter is applied. A value that is not a
+    /// number changes nothing.
     pub fn set(&self, filters: &mut Filters, value: f32) {
         if !value.is_nan() {
             let value = value.clamp(*self.range.start(), *self.range.end());

@@ -1,9 +1,9 @@
-//! Distances at which the sensor says something.
+//! Distances at which the sensor is reliable.
 
 use crate::rgbd::DepthImage;
 use rayon::prelude::*;
 
-/// Distances that are kept, both ends included.
+/// Range of distances retained, both ends included.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthRange {
     /// The nearest, in metres.
@@ -19,7 +19,7 @@ impl DepthRange {
         far_m: 10.0,
     };
 
-    /// Drops what is nearer or further.
+    /// Drops pixels outside this range.
     pub fn apply(&self, depth: &mut DepthImage) {
         depth.metres_mut().par_iter_mut().for_each(|depth| {
             if !(self.near_m..=self.far_m).contains(depth) {

@@ -10,7 +10,7 @@ pub struct Temporal {
     pub share: f32,
     /// Difference in depth above which the mean of a pixel is reset, in metres.
     pub max_m: f32,
-    /// For how many images a hole is filled with what was measured there last.
+    /// Number of images for which a hole is filled with its last measurement.
     pub fill_frames: u8,
 }
 
@@ -22,8 +22,8 @@ impl Temporal {
         fill_frames: 0,
     };
 
-    /// After so many images, what was before them is a sixtieth of a difference of at most [`Self::max_m`], and no
-    /// hole is filled with it: 8 as usual.
+    /// Number of images after which earlier ones weigh a sixtieth of a difference of at most [`Self::max_m`], and fill
+    /// no hole: 8 by default.
     pub fn lead_frames(&self) -> usize {
         let rest = (1.0 - self.share).clamp(0.0, 0.9);
         let images = if rest > 0.0 { -(60f32.ln()) / rest.ln() } else { 0.0 };
@@ -31,7 +31,7 @@ impl Temporal {
     }
 }
 
-/// The filter with what it knows of the images before.
+/// The filter with its state from earlier images.
 #[derive(Debug, Clone)]
 pub struct TemporalFilter {
     temporal: Temporal,
@@ -120,7 +120,7 @@ mod tests {
         }
     }
 
-    /// What `lead_frames` says: two filters that began differently agree after as many images.
+    /// Property of `lead_frames`: two filters that began differently agree after that many images.
     #[test]
     fn the_influence_of_past_frames_fades() {
         assert_eq!(Temporal::USUAL.lead_frames(), 8);

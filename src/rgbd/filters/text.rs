@@ -1,4 +1,4 @@
-//! Filters as text: `near:from=0.3:to=4,median,bilateral`. What is as usual is not said.
+//! Filters as text: `near:from=0.3:to=4,median,bilateral`. Defaults are omitted.
 
 use super::Filters;
 use super::parameters::{FilterKind, FilterParameter, KINDS};
@@ -8,14 +8,14 @@ use std::str::FromStr;
 /// The names of all filters, for messages.
 const NAMES: &str = "near, median, bilateral, flying and temporal";
 
-/// Text that is no filters.
+/// Text that does not describe filters.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ParseFiltersError {
-    /// A word that is no filter.
+    /// A word that is not a filter.
     #[error("`{0}` is not a depth filter: expected {NAMES}, separated by commas, or none")]
     Filter(String),
-    /// A word that is no parameter of its filter.
+    /// A word that is not a parameter of its filter.
     #[error("`{word}` cannot be set of {filter}: expected {expected}")]
     Parameter {
         /// The word.
@@ -59,7 +59,7 @@ impl fmt::Display for Filters {
 impl FromStr for Filters {
     type Err = ParseFiltersError;
 
-    /// The filters that are named, with their usual parameters where nothing else is said; their order is always the
+    /// The filters that are named, with their default parameters unless others are given; their order is always the
     /// same.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let mut filters = Self::NONE;

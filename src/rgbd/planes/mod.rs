@@ -10,7 +10,8 @@
 //! plane but for noise. It need not be at its centre: of nine windows that it is in, those that cross an edge do not
 //! fit (Fusiello et al. 1997 do so for stereo). So planes end at edges, and corners stay sharp.
 //!
-//! The noise level is estimated from the image itself (`noise.rs`). What is on a plane within that is put on it.
+//! The noise level is estimated from the image itself (`noise.rs`). A point within that distance of a plane is put on
+//! it.
 
 mod noise;
 mod pixels;
@@ -32,20 +33,20 @@ const HALF_WIDTHS_PX: [usize; 4] = [16, 8, 4, 2];
 /// Lines whose windows are summed together. More make fewer sums twice, fewer take less memory.
 const BAND_LINES: usize = 128;
 
-/// Inverse depths that are on a plane are off it by at most so many times the noise of the image, in the root of their
-/// mean square.
+/// Inverse depths that are on a plane are off it by at most this many times the noise of the image, in the root of
+/// their mean square.
 const FITS: f32 = 2.0;
 
 /// Moves points that are the pixels of one image, line by line, along their rays onto the planes that they are on but
 /// for noise, and returns the normals of these planes. In the frame of a camera that looks along +z; holes are not
 /// finite, or not before the camera.
 ///
-/// Normals are of unit length, towards the camera; zero in holes. Points of which no window tells a plane (single ones,
-/// those in one line) face the camera, and stay. The same for any number of threads, each of which takes 160 bytes a
+/// Normals are of unit length, towards the camera; zero in holes. Points without a plane from any window (single ones,
+/// those in one line) face the camera, and stay. The same for any number of threads, each of which takes 160 bytes per
 /// pixel of 192 lines.
 ///
 /// # Panics
-/// Precondition: as many points as pixels.
+/// Precondition: one point per pixel.
 pub fn put_on_planes([width, height]: [u32; 2], points: &mut [Vec3]) -> Vec<Vec3> {
     let pixels = Pixels::of([width, height].map(|edge| edge as usize), points);
     let noise = Noise::of(&pixels);
@@ -60,8 +61,8 @@ pub fn put_on_planes([width, height]: [u32; 2], points: &mut [Vec3]) -> Vec<Vec3
     normals
 }
 
-/// [`put_on_planes`] for depths alone, by whatever camera without a lens: what is on a plane by one pinhole is on one
-/// by all.
+/// [`put_on_planes`] for depths alone, for any camera without a lens: points on a plane for one pinhole are on one for
+/// all.
 pub fn on_planes(depth: &DepthImage) -> DepthImage {
     let per_px = (depth.width().max(depth.height()) as f32).recip();
     let metres = depth.metres().iter().enumerate();

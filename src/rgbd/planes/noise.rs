@@ -8,22 +8,23 @@ use rayon::prelude::*;
 /// that.
 const HALF_WIDTHS_PX: [usize; 2] = [8, 4];
 
-/// Noise of the wider windows is at most so many times that of the others. Of what bends, it is four times as much.
+/// Noise of the wider windows is at most this many times the noise of the others. On curved surfaces, it is four times
+/// as much.
 const BENDS: f32 = 1.5;
 
-/// Pixels from one window to the next, either way.
+/// Pixels from one window to the next, in either direction.
 const STEP_PX: usize = 8;
 
 /// Divisor for the fraction of windows that are on planes: of the windows of some depths, the flattest quarter.
 const ON_PLANES: usize = 4;
 
-/// Fewer windows of a range of depths tell nothing of it; then it has the noise of all.
+/// Minimum number of windows of a range of depths; with fewer, it has the noise of all.
 const MIN_WINDOWS: usize = 16;
 
 /// Ranges of depths to an octave: errors of time-of-flight cameras are not those of inverse depths.
 const PER_OCTAVE: f32 = 2.0;
 
-/// Relative to the inverse depth. Less is rounding, and more is no noise.
+/// Relative to the inverse depth. Less is rounding, and more is not noise.
 const LIMITS: [f32; 2] = [1e-5, 1e-2];
 
 pub(super) struct Noise {
@@ -61,7 +62,7 @@ impl Noise {
 }
 
 /// Ranges of depths and errors of windows of `half` pixels around some pixels, in the order of ranges. Those without an
-/// error are between two steps of the sensor, and tell nothing.
+/// error are between two steps of the sensor, and carry no information.
 fn errors(pixels: &Pixels, half: usize) -> Vec<(i32, f32)> {
     let centers = |edge: usize| (STEP_PX / 2..edge).step_by(STEP_PX);
     let lines: Vec<usize> = centers(pixels.height).collect();

@@ -33,7 +33,7 @@ impl Pixels {
         }
     }
 
-    /// Lines `lines`, and so many more above and below as the image has.
+    /// Lines `lines`, and the given number above and below as far as the image has them.
     pub(super) fn around(&self, lines: &Range<usize>, more: usize) -> Range<usize> {
         lines.start.saturating_sub(more)..(lines.end + more).min(self.height)
     }

@@ -8,7 +8,7 @@ const SIZE_PX: [u32; 2] = [160, 120];
 
 const FOCAL_PX: f32 = 130.0;
 
-/// What a camera sees at depths by the ray; holes where there is none.
+/// Points that a camera sees at depths by the ray; holes where there is none.
 fn seen(depth: impl Fn([f32; 2]) -> Option<f32>) -> Vec<Vec3> {
     let [width, height] = SIZE_PX;
     let point = |column: u32, row: u32| {
@@ -157,7 +157,7 @@ fn noise_is_removed_from_planes_and_nothing_else_changes() {
     }
 }
 
-/// Whatever the focal length.
+/// For any focal length.
 #[test]
 fn depths_alone_are_projected_onto_the_same_planes() {
     let points = seen(in_steps(plane(Vec3::new(0.2, 0.1, -1.0), 2.0)));
@@ -174,8 +174,8 @@ fn depths_alone_are_projected_onto_the_same_planes() {
 }
 
 proptest! {
-    /// Whatever is seen, normals are of unit length and towards the camera, holes have none, and windows by corners of
-    /// the table are those by their pixels.
+    /// For any scene, normals are of unit length and towards the camera, holes have none, and windows by corners of the
+    /// table are those by their pixels.
     #[test]
     fn any_image_has_valid_normals(
         width in 1_usize..40,

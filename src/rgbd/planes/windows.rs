@@ -8,13 +8,14 @@ use std::ops::Range;
 /// xy, y², xw, yw and w².
 type Sums = [f64; 10];
 
-/// Fewer pixels tell no plane from noise.
+/// Minimum number of pixels that distinguishes a plane from noise.
 const MIN_PIXELS: f64 = 8.0;
 
-/// Rays in one line tell no plane: the determinant of their covariance is this share of the product of its diagonal.
+/// Rays in one line determine no plane: the determinant of their covariance is this share of the product of its
+/// diagonal.
 const MIN_DETERMINANT: f64 = 1e-6;
 
-/// Pixels are on the plane of their window within so many times what is the limit of the root of their mean square.
+/// Pixels are on the plane of their window within this many times the limit of their root mean square.
 const PIXEL_ON_PLANE: f32 = 1.5;
 
 /// Inverse depths `w = a·x + b·y + c`.
@@ -22,7 +23,7 @@ const PIXEL_ON_PLANE: f32 = 1.5;
 pub(super) struct Plane {
     /// a, b and c.
     pub(super) factors: Vec3,
-    /// Root of the mean square of what the pixels of the window are off, per metre; infinite where they tell no plane.
+    /// Root mean square of the errors of the pixels of the window, per metre; infinite if they determine no plane.
     pub(super) error: f32,
 }
 
@@ -97,8 +98,8 @@ impl Windows {
         Self { lines, width, corners }
     }
 
-    /// The planes of windows of `half` pixels around each pixel of `centers`. What is outside of the image has no
-    /// depths. Precondition: the table has the lines of all these windows that the image has.
+    /// The planes of windows of `half` pixels around each pixel of `centers`. There are no depths outside the image.
+    /// Precondition: the table has the lines of all these windows that the image has.
     pub(super) fn planes(&self, half: usize, centers: Range<usize>) -> PlanesOfWindows {
         let corner_row = |line: usize| {
             let row = line.clamp(self.lines.start, self.lines.end) - self.lines.start;
@@ -133,7 +134,8 @@ pub(super) struct PlanesOfWindows {
 }
 
 impl PlanesOfWindows {
-    /// That of the window so many half widths to the right and down of the one around a pixel; `None` outside.
+    /// Entry of the window the given number of half widths to the right and down of the one around a pixel; `None`
+    /// outside.
     pub(super) fn at(&self, [column, line]: [usize; 2], [right, down]: [isize; 2]) -> Option<Plane> {
         let half = self.half as isize;
         let column = column.checked_add_signed(right * half)?;

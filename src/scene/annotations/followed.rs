@@ -1,8 +1,8 @@
 //! A point of a file that is the same one in other frames.
 //!
-//! **How it works.** Frames of as many points, written by one program, list them in one order: the point with the same
-//! index is the same point. Where another frame has another number of points, nobody knows which it is. So marks follow
-//! points ([`FollowedPoint::slot_in`]) where indices are stable, and stay where they were put elsewhere.
+//! **How it works.** Frames with the same number of points, written by one program, list them in one order: equal
+//! indices are the same point. If another frame has another number of points, its index is unknown. So marks follow
+//! points ([`FollowedPoint::slot_in`]) where indices are stable, and stay at their original position elsewhere.
 
 use crate::sequence::PreparedFrame;
 

@@ -1,9 +1,9 @@
-//! Texts at points of the cloud, in windows, pictures and videos alike.
+//! Texts at points of the cloud, in windows, images and videos alike.
 //!
 //! **How it works.** A label is put at a point of one frame. In others it follows the point by its index in the file
-//! ([`FollowedPoint`]); where nobody knows which point that is, it stays at its place. So where a label is depends on
-//! the frame alone, and not on what was shown before: a window and a video of it agree. Labels are drawn over the
-//! picture, always, and dimmed where something is before them ([`LabelOnPicture::is_hidden`]).
+//! ([`FollowedPoint`]); if that index is unknown, it stays at its place. So the position of a label depends on the
+//! frame alone, and not on earlier frames: a window and a video of it agree. Labels are always drawn over the image,
+//! and dimmed where something is in front of them ([`LabelOnPicture::is_hidden`]).
 
 use crate::scene::visible::pick::hidden;
 use crate::scene::{Camera, FollowedPoint, ScenePacket};
@@ -23,8 +23,7 @@ pub struct Label {
     pub frame: usize,
     /// The point that it follows.
     pub point: Option<FollowedPoint>,
-    /// Fallback position in frames that have no such point, in the coordinates of the file; `None`: it is not shown
-    /// there.
+    /// Fallback position in frames without that point, in the coordinates of the file; `None`: it is not shown there.
     pub place: Option<DVec3>,
     /// The frames that show it.
     pub frames: PlayRange,
@@ -47,7 +46,7 @@ impl Label {
         followed.or(self.place)
     }
 
-    /// `text` as a label says it: one line without ends, cut after [`MAX_LABEL_CHARS`].
+    /// `text` as a label shows it: one line without ends, cut after [`MAX_LABEL_CHARS`].
     pub fn as_text(text: &str) -> String {
         let line = text.trim().chars().take(MAX_LABEL_CHARS);
         line.map(|letter| if letter.is_control() { ' ' } else { letter })
@@ -55,7 +54,7 @@ impl Label {
     }
 }
 
-/// A label in a picture.
+/// A label in an image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LabelOnPicture {
     /// Index of the label.
@@ -66,9 +65,8 @@ pub struct LabelOnPicture {
     pub is_hidden: bool,
 }
 
-/// The labels that are before the eye of `camera` in a picture of `size_px` that is drawn from `packet`. `pose` is the
-/// frame whose points are followed: what is drawn may have more points, of other poses. Positions are relative to
-/// `origin`.
+/// The labels in front of the eye of `camera` in an image of `size_px` drawn from `packet`. `pose` is the frame whose
+/// points are followed: the packet may have more points, of other frames. Positions are relative to `origin`.
 pub fn labels_on_picture(
     labels: &[Label],
     pose: &PreparedFrame,

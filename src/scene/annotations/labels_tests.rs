@@ -1,4 +1,4 @@
-//! Labels of points that move, and what hides them.
+//! Labels of points that move, and their occlusion.
 
 use super::*;
 use crate::cloud::{Frame, Positions, RawCloud};
@@ -57,7 +57,7 @@ fn a_label_follows_its_point_where_indices_are_stable_and_is_fixed_elsewhere() {
 }
 
 proptest! {
-    /// Held against the order of the file: whatever the order in memory, the label is at its point.
+    /// Compared with the order of the file: whatever the order in memory, the label is at its point.
     #[test]
     fn every_point_of_every_frame_is_found(
         places in prop::collection::vec(prop::array::uniform3(-9f32..9.0), 1..40), index in 0usize..40,

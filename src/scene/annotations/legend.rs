@@ -7,7 +7,7 @@ use crate::analysis::{ColorMap, ColorScale, NormalErrors, class_color, class_nam
 use crate::cloud::ValueSample;
 use crate::sequence::{Paint, PaintValues, PreparedFrame, plain_field_name, value_kind};
 
-/// Most classes that are listed.
+/// Maximum number of classes listed.
 const MAX_CLASSES: usize = 20;
 
 /// Maximum number of tick labels along a colour ramp.
@@ -37,7 +37,7 @@ pub enum LegendBody {
 }
 
 impl Legend {
-    /// The legend of a frame, as it is painted; `None` if its colours are no numbers and no classes.
+    /// The legend of a frame, as it is painted; `None` if its colours are neither numbers nor classes.
     pub fn of(frame: &PreparedFrame) -> Option<Self> {
         match frame.paint() {
             Paint::File | Paint::Normal | Paint::Uniform(_) => None,
@@ -65,7 +65,7 @@ impl Legend {
 }
 
 impl Legend {
-    /// The legend of a picture of errors of normals.
+    /// The legend of an image of normal errors.
     pub fn of_errors(errors: &NormalErrors) -> Self {
         let [none, some, large] = NormalErrors::COLORS;
         let percent = |share: f64| format!("{:.1} %", 1e2 * share);
@@ -85,7 +85,7 @@ impl Legend {
     }
 }
 
-/// A field's name as a title, with its unit where the name says it: `gps_time` is "GPS time (s)".
+/// A field's name as a title, with its unit if the name has it: `gps_time` is "GPS time (s)".
 pub fn field_title(name: &str) -> String {
     let name = plain_field_name(name).replace('_', " ");
     if name.eq_ignore_ascii_case("gps time") || name.eq_ignore_ascii_case("gpstime") {
@@ -177,7 +177,7 @@ fn decades(low: f64, high: f64) -> Vec<(f64, f64)> {
     values.into_iter().step_by(stride).map(|value| (value, value)).collect()
 }
 
-/// A number with the digits that tell it from one `step` away.
+/// A number with the digits that distinguish it from one `step` away.
 fn number(value: f64, step: f64) -> String {
     /// Beyond, and for smaller steps, with an exponent.
     const PLAIN: std::ops::Range<f64> = 1e-5..1e13;

@@ -16,7 +16,7 @@ pub enum MeasurementKind {
 }
 
 impl MeasurementKind {
-    /// Every gauge, its name and what it says.
+    /// Every measurement kind, its name and description.
     pub const ALL: [(Self, &'static str, &'static str); 3] = [
         (
             Self::Distance,
@@ -45,7 +45,7 @@ impl MeasurementKind {
         }
     }
 
-    /// The value for so many places; `None` if there are fewer, or if there is no angle. `up` has a length of 1.
+    /// The value for this number of places; `None` if there are fewer, or without an angle. `up` has a length of 1.
     pub fn value(self, places: &[DVec3], up: DVec3) -> Option<f64> {
         match (self, places) {
             (Self::Distance, &[a, b, ..]) => Some(a.distance(b)),

@@ -1,4 +1,4 @@
-//! Drawn over the picture by whoever shows it: labels, legend, scale bar, lengths between places.
+//! Annotations drawn over the image by its viewer: labels, legend, scale bar, lengths between places.
 
 pub(super) mod followed;
 pub(super) mod labels;

@@ -7,14 +7,14 @@ use glam::{DVec2, DVec3};
 const NEAREST_MARK: f64 = 1e-8;
 
 impl Camera {
-    /// The place on a picture of `viewport_px` in pixels, from its upper left corner; `None` behind the eye.
+    /// The position in an image of `viewport_px` in pixels, from its upper left corner; `None` behind the eye.
     pub fn to_px(&self, place_in_world: DVec3, viewport_px: [u32; 2]) -> Option<DVec2> {
         let place = self.in_view_space(place_in_world);
         // Images are drawn from where their content begins, which may be next to the eye.
         (-place.z >= NEAREST_MARK * self.lens().distance).then(|| self.view_to_px(place, viewport_px))
     }
 
-    /// Both ends of the part of a line that is in front of the eye, as [`Camera::to_px`]; `None` where there is none.
+    /// Both ends of the part of a line that is in front of the eye, as [`Camera::to_px`]; `None` if nothing is.
     pub fn line_to_px(&self, ends_in_world: [DVec3; 2], viewport_px: [u32; 2]) -> Option<[DVec2; 2]> {
         let [a, b] = ends_in_world.map(|end| self.in_view_space(end));
         let nearest = NEAREST_MARK * self.lens().distance;
@@ -119,7 +119,7 @@ mod tests {
     }
 
     proptest! {
-        /// A place on the line is found from where it is seen, and a pixel beside the line finds the foot of it.
+        /// A position on the line is found from its pixel, and a pixel next to the line gives its foot.
         #[test]
         fn the_pointer_is_projected_onto_a_line(
             place in prop::array::uniform3(-1f64..1.0),
@@ -154,7 +154,7 @@ mod tests {
             let px = camera.line_to_px(ends, SIZE).unwrap();
             assert!(px.iter().all(|px| (*px - center).length() < 1e-6), "{px:?}");
         }
-        // Passing beside the eye, a line leaves the image.
+        // Passing the eye, a line leaves the image.
         let aside = camera.view_from_world_rotation().row(0) * 0.5;
         let [first, last] = camera.line_to_px([aside, behind + aside], SIZE).unwrap();
         assert!(first.x < 400.0 && last.x > 1e4, "{first} {last}");

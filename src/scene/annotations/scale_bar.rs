@@ -4,7 +4,7 @@ use crate::cloud::LengthUnit;
 use crate::scene::Camera;
 use std::ops::RangeInclusive;
 
-/// A length to be painted over a picture.
+/// A length to be painted over an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScaleBar {
     /// One, two or five times a power of ten, scene units.
@@ -18,7 +18,7 @@ impl ScaleBar {
     /// Range of bar lengths: from one round length to the next it is a factor of 2.5 at most.
     pub const LENGTHS_PX: RangeInclusive<f64> = 80.0..=200.0;
 
-    /// The longest within [`Self::LENGTHS_PX`] times `scale` in a picture `height_px` high. In perspective, things
+    /// The longest within [`Self::LENGTHS_PX`] times `scale` in an image `height_px` high. In perspective, things
     /// nearer than the target look longer than that, and those farther away shorter. `None` where lengths are beyond
     /// f64.
     pub fn of(camera: &Camera, height_px: f64, scale: f64, unit: Option<LengthUnit>) -> Option<Self> {
@@ -111,7 +111,7 @@ mod tests {
         }
     }
 
-    /// Two places at the target's distance are as far apart in the picture as the bar is long.
+    /// The distance in the image of two places at the target's distance is the length of the bar.
     #[test]
     fn the_bar_is_as_long_as_the_distance_it_states() {
         for projection in [Projection::Perspective, Projection::Orthographic] {

@@ -1,26 +1,26 @@
-//! Ambient occlusion: how much of the light from around reaches a place, by what stands near it in the picture.
+//! Ambient occlusion: the fraction of ambient light that reaches a position, by the surfaces near it in the image.
 //!
-//! **How it works** (volumetric obscurance, Loos and Sloan 2010, with the hemisphere of the normal). Around the place
-//! that a pixel shows is a ball. What counts is the half of it above the tangent plane: the share of that volume that
-//! is behind the surface of the picture is dark. The volume is measured along [`AmbientOcclusion::LINES`] through the
-//! ball, along the view axis. All of it is heights above the place in units of the radius, towards the eye:
+//! **How it works** (volumetric obscurance, Loos and Sloan 2010, with the hemisphere of the normal). A ball is put
+//! around the position in a pixel. The half of it above the tangent plane counts: the share of that volume behind the
+//! surface of the image is dark. The volume is measured along [`AmbientOcclusion::LINES`] through the ball, along the
+//! view axis. All of it is heights above the place in units of the radius, towards the eye:
 //!
 //! - a line at `[x, y]` is in the ball from `-t` to `t = sqrt(1 - x² - y²)`;
 //! - the tangent plane is at `g` there, so the line is in the half ball from `bottom = clamp(g, -t, t)` on;
-//! - the surface of the picture is at `h` there, so the line is filled from `bottom` to `clamp(h, bottom, t)`;
-//! - what stands far before the place hides it without being near: lines count less from `h = t + 1` on, and nothing
+//! - the surface of the image is at `h` there, so the line is filled from `bottom` to `clamp(h, bottom, t)`;
+//! - a surface far in front of the place hides it without being near: lines count less from `h = t + 1` on, and nothing
 //!   from `t + 2` on.
 //!
 //! The share of the light that is lost is `Σ filled / Σ (t - bottom)`. In a corner of two walls at right angles it is a
-//! half, and `(1 - d)² · (2 + d) / 4` at `d` radii from it, from whatever distance and side it is seen; a plane has
-//! none, as `h = g`: both are of rays through the same pixels, so perspective is exact.
+//! half, and `(1 - d)² · (2 + d) / 4` at `d` radii from it, seen from any distance and side; a plane has none, as `h =
+//! g`: both lie on rays through the same pixels, so perspective is exact.
 //!
 //! Lines change by lengths and not by hits, so few of them are smooth, and they are the same for every pixel: there is
-//! no noise, nothing to blur, and parts of a picture are those of the whole. Horizons (Bavoil and Sainz 2008; Jimenez
-//! et al. 2016) take angles where this takes lengths, and both noise.
+//! no noise, nothing to blur, and parts of an image match the whole. Horizons (Bavoil and Sainz 2008; Jimenez et al.
+//! 2016) take angles where this takes lengths, and both noise.
 //!
-//! Depths are those of the depth buffer, normals those of the blended surface. The radius is a share of the cloud's, so
-//! that creases stay as dark when the camera moves.
+//! Depths come from the depth buffer, normals from the blended surface. The radius is a share of the cloud's, so that
+//! creases stay as dark when the camera moves.
 
 use crate::scene::ScenePacket;
 use crate::scene::style::OnOff;
@@ -28,10 +28,10 @@ use crate::scene::style::OnOff;
 /// The usual radius of the ball, as a share of the cloud's.
 const RADIUS_OF_CLOUD: f32 = 0.2;
 
-/// The largest ball in a picture, as a share of its height.
+/// The largest ball in an image, as a share of its height.
 const MAX_RADIUS_OF_HEIGHT: f32 = 0.15;
 
-/// The largest ball in any picture: parts of large ones are drawn with as much around them.
+/// The largest ball in any image: parts of large ones are drawn with this margin around them.
 const MAX_RADIUS_PX: f32 = 512.0;
 
 /// Ambient occlusion parameters of an image, in addition to depths and normals.
@@ -55,7 +55,7 @@ impl AmbientOcclusion {
     /// Heights above the tangent plane that count as on it, in radii: splats are flat where surfaces bend.
     pub const ROUGHNESS: f32 = 0.02;
 
-    /// That of a packet; `None` where there is none, or no surface that light falls on.
+    /// The ambient occlusion of a packet; `None` if it is off, or without a lit surface.
     pub fn of(packet: &ScenePacket) -> Option<Self> {
         let style = &packet.style;
         let light = &style.light;

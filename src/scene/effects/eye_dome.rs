@@ -6,10 +6,10 @@
 //!
 //! - `ln d - ln d_n` is replaced by `d / d_n - 1`, which takes no logarithm. Steps end at [`MAX_STEP`], and up to
 //!   there both differ by 1.3 %. The bound leaves a little of the colour behind a silhouette, however far behind.
-//! - Neighbours are whole pixels, so their radius is rounded; steps are scaled to the radius that was asked for. So a
-//!   slope is as dark in small pictures as in large ones.
-//! - Nothing stands before what has only background next to it. Where a surface ends there, its last pixels get
-//!   [`EDGE`]: all of it where three of eight neighbours are background, as along a straight border, and none from
+//! - Neighbours are whole pixels, so their radius is rounded; steps are scaled to the requested radius. So a slope is
+//!   as dark in small images as in large ones.
+//! - A pixel with only background next to it has nothing in front of it. Where a surface ends there, its last pixels
+//!   get [`EDGE`]: all of it where three of eight neighbours are background, as along a straight border, and none from
 //!   [`EyeDomeLight::LONE`] on, so that points of one or two pixels that stand alone keep their colours. Wider points
 //!   have borders of their own, so there are no edges where these are drawn.
 //!
@@ -20,47 +20,47 @@
 use crate::scene::style::{EyeDome, PointSizing};
 use crate::scene::{Primitive, ScenePacket};
 
-/// Distance of neighbours in a picture 720 pixels high.
+/// Distance of neighbours in an image 720 pixels high.
 const RADIUS_PX_AT_720: f32 = 1.4;
 
 /// Gain: the darkness of steps.
 const GAIN: f32 = 300.0;
 
-/// Maximum depth step that counts, relative to the distance. Pixels of which three neighbours are that near or nearer
-/// keep 6 % of their colour.
+/// Maximum depth step that counts, relative to the distance. Pixels with three neighbours at least that near keep 6 %
+/// of their colour.
 const MAX_STEP: f32 = 0.025;
 
 /// Darkness of an edge of the cloud: exp(-0.5) of its colour.
 const EDGE: f32 = 0.5;
 
-/// That share along a straight border.
+/// Share of neighbours without depth along a straight border.
 const BORDER: f32 = 3.0 / 8.0;
 
 /// Eye-dome lighting (EDL) parameters, which darken the pixels of an image, in terms of reversed depths `near /
 /// distance`.
 ///
-/// For a pixel with the depth `r` and neighbours with `r_n`, 0 where nothing is, the colour is multiplied by `exp(-(Σ
+/// For a pixel with the depth `r` and neighbours with `r_n`, 0 if empty, the colour is multiplied by `exp(-(Σ
 /// clamp(gain · (r_n / r - 1), 0, most) + edge · b · max(LONE - b, 0)))`, where `b` is the fraction of neighbours
-/// without depth. Beyond the borders of the image, neighbours are the pixels on the borders. Pixels without depth stay
-/// as they are.
+/// without depth. Beyond the borders of the image, neighbours are the pixels on the borders. Pixels without depth are
+/// unchanged.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EyeDomeLight {
     /// Neighbour distances: in a row or a column, and the number of columns and rows of those on diagonals.
     pub reach_px: [u32; 2],
     /// Factors on the steps to neighbours in a row or a column, and to those on diagonals.
     pub gains: [f32; 2],
-    /// Most that a step adds.
+    /// Maximum contribution of a step.
     pub max: f32,
     /// Darkness where the cloud ends.
     pub edge: f32,
 }
 
 impl EyeDomeLight {
-    /// Share of neighbours without depth from which a pixel belongs to no surface: that of a corner.
+    /// Share of neighbours without depth from which a pixel belongs to no surface: a corner's.
     pub const LONE: f32 = 5.0 / 8.0;
 
-    /// That of a packet; `None` where there is none: [`Splatting::NoDepth`](crate::scene::Splatting::NoDepth) leaves no
-    /// depths to shade by.
+    /// The eye-dome lighting of a packet; `None` if it is off: [`Splatting::NoDepth`](crate::scene::Splatting::NoDepth)
+    /// leaves no depths to shade by.
     pub fn of(packet: &ScenePacket) -> Option<Self> {
         let style = &packet.style;
         let strength = style.light.eye_dome_strength;

@@ -8,13 +8,13 @@
 //! as between a curtain and the wall behind it, is open along itself: of half the width it is closed if the three other
 //! lines meet the surface. (One line alone would round corners of outlines, and borders would be slits.)
 //!
-//! What lies in the gap is taken to be flat: along the shortest of the four lines through the pixel, the reversed depth
-//! of a plane goes from one end to the other in even steps. Where the ends are of two things, one behind the other, it
-//! is that of the farther: between them one looks past the nearer one. The input images are sampled at that position,
-//! as they are at others (`scene/photos/mod.rs`). What they see through, and what none of them sees, stays open:
-//! a handle is a handle still. But along outlines, where input images and points are a pixel apart, specks remain. Each
-//! pixel of one has the mean colour of what is closed around it along the four lines, if the ends of none are farther
-//! apart than a tenth of the width of gaps.
+//! The surface in the gap is taken to be flat: along the shortest of the four lines through the pixel, the reversed
+//! depth of a plane goes from one end to the other in even steps. If the ends belong to two things, one behind the
+//! other, it is the farther one's: the view between them passes the nearer one. The input images are sampled at that
+//! position, as at others (`scene/photos/mod.rs`). Gaps that they see through, and surfaces that none of them sees,
+//! stay open: a handle is still a handle. But along outlines, where input images and points are a pixel apart, specks
+//! remain. Each pixel of one has the mean colour of the closed pixels around it along the four lines, if the ends of
+//! none are farther apart than a tenth of the width of gaps.
 //!
 //! Done after lighting, over the whole image: `render/cpu/photos/gaps.rs`,
 //! `shaders/passes/resolve_photos.wgsl`.
@@ -44,14 +44,14 @@ pub(crate) fn speck_px(gap_px: u32) -> u32 {
 /// The steps from a pixel along four lines.
 pub(crate) const PIXEL_LINES: [[i32; 2]; 4] = [[1, 0], [0, 1], [1, 1], [1, -1]];
 
-/// Ends of a line are of one surface, here and at rims, if the reversed depth of one is at least this share of the
-/// other's.
+/// Ends of a line are of one surface, here and at splat edges, if the reversed depth of one is at least this share of
+/// the other's.
 pub(crate) const GAP_ONE_SURFACE: f32 = 0.95;
 
-/// Ratio of the width of gaps to that of slits that are closed.
+/// Ratio of the width of gaps to the width of slits that are closed.
 pub(crate) const GAPS_PER_SLIT: f32 = 2.0;
 
-/// Ratio of the width of gaps that are closed to that of specks.
+/// Ratio of the width of gaps that are closed to the width of specks.
 // A speck is as wide as the pixels that a texel of a depth image covers, a tenth of a gap. Filling specks removed all
 // 122 dots along the outlines of one of Redwood's images; its PSNR changed by 0.05 dB at most.
 pub(crate) const GAPS_PER_SPECK: f32 = 10.0;

@@ -1,5 +1,5 @@
-//! Screen-space effects as settings decide them, in pixels of the picture: ambient occlusion, eye-dome lighting, closed
-//! gaps, halos, rims.
+//! Screen-space effects as settings decide them, in pixels of the image: ambient occlusion, eye-dome lighting, closed
+//! gaps, halos, splat edges.
 
 pub(super) mod ambient_occlusion;
 pub(super) mod eye_dome;

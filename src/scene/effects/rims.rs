@@ -1,12 +1,12 @@
 //! Splat edges in front of another surface.
 //!
 //! **How it works.** Splats fade towards their edges, so that outlines before the background are smooth. At depths that
-//! the visibility pass found, nothing else is blended there: of what lies behind an edge nothing is known in its
-//! pixels, and the background would shine through, a line around everything that stands before something. So a pixel
-//! that the surface covers in part is at an edge between surfaces if one of four lines through it (its row, its column,
-//! both diagonals) meets opaque pixels on both sides, no more than [`rim_px`] steps apart, with no open pixel in
-//! between. What shines through is the colour of the farther end of the shortest such line, and where both ends are of
-//! one surface, what is between their colours.
+//! the visibility pass found, nothing else is blended there: the surface behind an edge is unknown in its pixels, and
+//! the background would shine through, a line around everything that stands before something. So a pixel that the
+//! surface covers in part is at an edge between surfaces if one of four lines through it (its row, its column, both
+//! diagonals) meets opaque pixels on both sides, no more than [`rim_px`] steps apart, with no open pixel in between.
+//! The colour of the farther end of the shortest such line shines through, or, if both ends are of one surface, a
+//! colour between theirs.
 //!
 //! Outlines before the background stay as they are, and so do edges of holes that are wider than these: there the
 //! surface fades until a pixel is open. No open pixel is ever filled.
@@ -38,6 +38,6 @@ pub fn rim_px(packet: &ScenePacket) -> u32 {
     (WIDEST * packet.whole_height_px()).round().max(2.0) as u32
 }
 
-/// Opacities from which a pixel is no more open, and from which it is opaque: what is seen in eight bits.
+/// Opacities from which a pixel is no longer open, and from which it is opaque: visible in eight bits.
 pub(crate) const RIM_OPEN: f32 = 0.5 / 255.0;
 pub(crate) const RIM_OPAQUE: f32 = 254.5 / 255.0;

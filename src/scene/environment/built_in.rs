@@ -1,4 +1,4 @@
-//! Environments that are made and not photographed: light as a formula of its direction.
+//! Synthetic environments: light as a formula of its direction.
 
 use glam::Vec3;
 

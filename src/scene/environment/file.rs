@@ -1,8 +1,8 @@
 //! Environment map files captured by a person: equirectangular images.
 //!
 //! Styles name a file by a number, so that they stay plain values: files are remembered for as long as the program
-//! runs, and each is read once. Left and right are as from the centre of the scene; what is at the centre of the image
-//! is behind the cloud when that is seen from the front.
+//! runs, and each is read once. Left and right are as from the centre of the scene; the centre of the image is behind
+//! the cloud when that is seen from the front.
 
 use super::map::EnvironmentMap;
 use glam::Vec3;
@@ -12,14 +12,14 @@ use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// Most pixels along an edge of a file's picture, and the most memory that its decoder may take.
+/// Maximum pixels along an edge of a file's image, and maximum memory that its decoder may take.
 const MAX_EDGE_PX: u32 = 1 << 13;
 const MAX_BYTES: u64 = 1 << 29;
 
-/// Width that pictures are reduced to: a column is about as wide as a texel of the map.
+/// Width that images are reduced to: a column is about as wide as a texel of the map.
 const WIDTH: u32 = 2 * EnvironmentMap::EDGE as u32;
 
-/// Why a picture cannot be an environment.
+/// Reasons why an image cannot be an environment.
 #[derive(Debug, thiserror::Error)]
 pub enum EnvironmentError {
     /// The file cannot be opened.
@@ -27,18 +27,18 @@ pub enum EnvironmentError {
     Open {
         /// Path of the file.
         path: PathBuf,
-        /// Why not.
+        /// The reason.
         source: io::Error,
     },
-    /// Its contents are no picture, or too many pixels.
+    /// Its contents are not an image, or too many pixels.
     #[error("the environment {} is not a readable image", path.display())]
     Picture {
         /// Path of the file.
         path: PathBuf,
-        /// Why not.
+        /// The reason.
         source: ImageError,
     },
-    /// A picture without pixels.
+    /// An image without pixels.
     #[error("the environment {} has no pixels", path.display())]
     Empty {
         /// Path of the file.
@@ -46,11 +46,11 @@ pub enum EnvironmentError {
     },
 }
 
-/// A picture in a file that lights the scene.
+/// An image in a file that lights the scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct EnvironmentFile(usize);
 
-/// A file, and what it holds once somebody has asked; nothing if it cannot be read.
+/// A file, and its contents once requested; none if it cannot be read.
 #[derive(Debug)]
 struct Known {
     path: PathBuf,
@@ -149,7 +149,7 @@ impl Equirectangular {
         Self::reduced(&picture.to_rgb32f(), light)
     }
 
-    /// Each pixel is the mean of a square of those of the file.
+    /// Each pixel is the mean of a square of pixels of the file.
     fn reduced(picture: &Rgb32FImage, light: fn(f32) -> f32) -> Self {
         let [width, height] = [picture.width(), picture.height()];
         let factor = width.div_ceil(WIDTH).max(1);
@@ -199,7 +199,7 @@ mod tests {
     use super::*;
     use image::{Rgb, RgbImage};
 
-    /// A picture whose halves have the colours of the six directions of its middle, edges and poles.
+    /// An image whose halves have the colours of the six directions of its centre, edges and poles.
     fn picture() -> RgbImage {
         RgbImage::from_fn(64, 32, |x, y| match (x, y) {
             (_, 0..4) => Rgb([0, 0, 255]),

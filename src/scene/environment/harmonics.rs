@@ -1,7 +1,7 @@
 //! Diffuse light of an environment: spherical harmonics of order 2 (Ramamoorthi and Hanrahan 2001).
 //!
-//! A matt surface blurs what is around it over half of the sphere; nine numbers for each colour hold what is left. As a
-//! polynomial of the normal they cost both renderers a few products a pixel.
+//! A matt surface blurs its surroundings over half of the sphere; nine numbers for each colour hold the result. As a
+//! polynomial of the normal they cost both renderers a few products per pixel.
 
 use super::octahedral::Octahedral;
 use glam::Vec3;
@@ -64,8 +64,8 @@ fn basis(Vec3 { x, y, z }: Vec3) -> [f32; 9] {
 mod tests {
     use super::*;
 
-    /// Of a light of order 2 they are exact: over the half sphere, the mean of `d` by its cosine is 2/3 of the normal,
-    /// and that of `d.y²` is a quarter of `1 + n.y²`.
+    /// For a light of order 2 they are exact: over the half sphere, the mean of `d` by its cosine is 2/3 of the normal,
+    /// and the mean of `d.y²` is a quarter of `1 + n.y²`.
     #[test]
     fn light_up_to_order_two_is_exact() {
         let map = Octahedral::new(128, |d| Vec3::new(1.0, 1.0 + d.x, 0.5 + d.y * d.y));

@@ -1,12 +1,12 @@
-//! An environment made ready for light: diffuse light, and what surfaces of each roughness mirror.
+//! An environment made ready for light: diffuse light, and the reflections of surfaces of each roughness.
 
 use super::harmonics::Harmonics;
 use super::octahedral::Octahedral;
 use super::prefilter::blurred;
 use glam::Vec3;
 
-/// Texels along an edge of the environment, and of maps of every roughness above 0. What is blurred more has no detail
-/// for more of them.
+/// Texels along an edge of the environment, and of maps of every roughness above 0. Blurrier maps have no detail for
+/// more of them.
 const EDGE: usize = EnvironmentMap::EDGE;
 const EDGES: [usize; 8] = [128, 64, 64, 32, 32, 32, 32, 32];
 
@@ -71,7 +71,7 @@ impl EnvironmentMap {
     }
 }
 
-/// Returns the exposure factor that makes the most light of a matt white surface 1; 1 where there is no light.
+/// Returns the exposure factor that makes the most light of a matt white surface 1; 1 without light.
 fn exposure(harmonics: &Harmonics) -> f32 {
     let map = Octahedral::new(16, |normal| harmonics.at(normal));
     let max = map

@@ -37,7 +37,7 @@ pub enum Environment {
     Uniform,
     /// Nothing: lamps alone, and a little light from all sides.
     None,
-    /// An equirectangular picture of the user.
+    /// An equirectangular image of the user.
     File(EnvironmentFile),
 }
 
@@ -55,7 +55,7 @@ pub struct EnvironmentWord {
 }
 
 impl Environment {
-    /// All but those of files.
+    /// All except files.
     pub const BUILT_IN: &'static [EnvironmentWord] = &[
         EnvironmentWord {
             environment: Self::Studio,
@@ -83,7 +83,7 @@ impl Environment {
         },
     ];
 
-    /// Its light; of a file that cannot be read that of [`Environment::Studio`].
+    /// Its light; for an unreadable file, that of [`Environment::Studio`].
     pub fn map(self) -> Arc<EnvironmentMap> {
         static STUDIO: LazyLock<Arc<EnvironmentMap>> = LazyLock::new(|| made(built_in::studio));
         static SKY: LazyLock<Arc<EnvironmentMap>> = LazyLock::new(|| made(built_in::sky));
@@ -115,7 +115,7 @@ impl fmt::Display for Environment {
 impl FromStr for Environment {
     type Err = EnvironmentError;
 
-    /// A word, or the path of a picture, which is read.
+    /// A word, or the path of an image, which is read.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         match Self::of_word(text) {
             Some(built_in) => Ok(built_in),
@@ -138,7 +138,7 @@ impl serde::Serialize for Environment {
 }
 
 impl<'de> serde::Deserialize<'de> for Environment {
-    /// Pictures are read when they are needed: settings outlive them.
+    /// Images are read when they are needed: settings outlive them.
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let text = <std::borrow::Cow<'de, str>>::deserialize(deserializer)?;
         let file = || Self::File(EnvironmentFile::named(Path::new(&*text)));

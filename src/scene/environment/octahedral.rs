@@ -1,10 +1,10 @@
-//! A picture of all directions: the sphere unfolded from an octahedron onto a square (Praun and Hoppe 2003).
+//! A map of all directions: the sphere unfolded from an octahedron onto a square (Praun and Hoppe 2003).
 //!
-//! Texels are about equally large everywhere, and between any two there is a straight way: so colours are blended
+//! Texels are about equally large everywhere, and between any two there is a straight path: so colours are blended
 //! between four texels of one square, by the same few operations in both renderers. Around the square is a border of
-//! one texel, which repeats what is beyond the edge on the sphere: nobody has to ask where the edge is.
+//! one texel, which repeats the texels beyond the edge on the sphere: no test for the edge is needed.
 //!
-//! Directions are those of the environment: y is up.
+//! Directions are in the environment's axes: y is up.
 
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
@@ -168,7 +168,7 @@ mod tests {
     #[test]
     fn texel_weights_match_solid_angles() {
         let map = Octahedral::new(64, |_| Vec3::ONE);
-        // The mean of the square of each coordinate over the sphere is a third; that of the fourth power a fifth.
+        // The mean of the square of each coordinate over the sphere is a third; of the fourth power a fifth.
         let mean = |value: fn(Vec3) -> f32| map.shares().map(|(d, _, share)| value(d) * share).sum::<f32>();
         assert!((mean(|_| 1.0) - 1.0).abs() < 1e-4);
         for value in [|d: Vec3| d.x * d.x, |d: Vec3| d.y * d.y, |d: Vec3| d.z * d.z] {

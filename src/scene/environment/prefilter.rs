@@ -1,9 +1,9 @@
 //! Environment prefiltering for surfaces of different roughness: blurred as wide as each scatters light (Karis 2013).
 //!
-//! A blurred map has the light of a surface that is seen along its normal. That its highlights are longer when it is
-//! seen edge-on is what the approximation ignores. Samples are those of microfacet normals (Walter et al. 2007), and
-//! each takes the mean over the part of the environment that it represents (Křivánek and Colbert 2008), so that a few
-//! make no noise. They are the same for each texel and each run.
+//! A blurred map has the light of a surface that is seen along its normal. The approximation ignores that its
+//! highlights are longer when it is seen edge-on. Samples are of microfacet normals (Walter et al. 2007), and each
+//! takes the mean over the part of the environment that it represents (Křivánek and Colbert 2008), so that a few make
+//! no noise. They are the same for each texel and each run.
 
 use super::octahedral::Octahedral;
 use glam::Vec3;

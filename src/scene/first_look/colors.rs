@@ -1,15 +1,15 @@
-//! Default colour source of the points if nobody has chosen one, with the reason.
+//! Default colour source of the points if none was chosen, with the reason.
 
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::Frame;
 use crate::sequence::{ColorHints, ColorSource, Coloring, FieldName};
 
-/// A guess of what to colour points by.
+/// A guessed colour source.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ColorGuess {
     /// Colour source of the points.
     pub source: ColorSource,
-    /// Why, a clause; empty where the file has colours that tell something.
+    /// The reason, a clause; empty if the file has informative colours.
     pub why: String,
     /// Available colour sources: those that the first frame has, with each of its fields.
     pub offered: Vec<ColorSource>,
@@ -41,7 +41,7 @@ impl ColorGuess {
         }
     }
 
-    /// `None` where the colours are those of the file: nothing was decided.
+    /// `None` if the colours are the file's: nothing was decided.
     pub(super) fn assumption(&self) -> Option<Assumption> {
         let is_decided = !self.why.is_empty();
         is_decided.then(|| {
@@ -55,7 +55,7 @@ impl ColorGuess {
     }
 }
 
-/// Every source that a frame has, but for those that ask for more than a name.
+/// Every source that a frame has, except those that need more than a name.
 fn offered(frame: &Frame) -> Vec<ColorSource> {
     let fields = frame.scalar_fields().iter();
     let fields = fields.map(|field| ColorSource::Scalar(Some(FieldName::new(&field.name))));

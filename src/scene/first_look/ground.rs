@@ -1,9 +1,9 @@
-//! The up axis where coordinates or normals of the file tell it.
+//! The up axis if coordinates or normals of the file determine it.
 //!
 //! **How it works.** Each rule looks at one thing that surveying or a camera makes:
 //!
 //! - *Map coordinates.* Eastings and northings are large numbers, elevations are not.
-//! - *Undersides alone.* What faces down is seldom all that was scanned: a camera that looks along +Z saw it.
+//! - *Undersides alone.* Surfaces facing down are seldom all of a scan: a camera that looks along +Z saw them.
 
 use super::sample::CloudSample;
 use super::up::{Up, along};
@@ -11,7 +11,7 @@ use crate::math::Aabb;
 use crate::scene::UpAxis;
 use glam::Vec3;
 
-/// The axis with small coordinates where the two others are those of a map. `zero` is the zero of the file.
+/// The axis with small coordinates if the two others are map coordinates. `zero` is the zero of the file.
 pub(super) fn of_map_coordinates(bounds: &Aabb, zero: Vec3) -> Option<Up> {
     /// Eastings have six digits, northings six or seven; no summit is higher than 9 km.
     const MIN_MAP: f32 = 5e4;
@@ -27,7 +27,8 @@ pub(super) fn of_map_coordinates(bounds: &Aabb, zero: Vec3) -> Option<Up> {
     ))
 }
 
-/// The axes of a camera, where the normals of the file say that everything faces -Z: with Z up that would be a ceiling.
+/// The axes of a camera, if the normals of the file indicate that everything faces -Z: with Z up that would be a
+/// ceiling.
 pub(super) fn of_undersides(sample: &CloudSample, bounds: &Aabb) -> Option<Up> {
     /// Shares of normals within 60° of -Z and of +Z.
     const MIN_BELOW: f32 = 0.6;

@@ -89,7 +89,7 @@ fn is_before_camera(seen: &[Vec3]) -> bool {
     const NARROWEST: f32 = 0.03;
     /// Maximum offset of the image centre from the axis, as a fraction of the image edge.
     const OFF_AXIS: f32 = 0.3;
-    /// Seen from above, plains are thin; a wall that a camera looks at fills its picture.
+    /// Seen from above, plains are thin; a wall that a camera looks at fills its image.
     const THIN: f32 = 0.15;
     const FULL: f32 = 0.25;
     if seen.is_empty() || seen.iter().any(|position| position.z <= 0.0) {
@@ -116,13 +116,13 @@ fn is_before_camera(seen: &[Vec3]) -> bool {
 }
 
 /// Returns true if points that are seen in one direction are at about the same distance, on one surface: a camera sees
-/// the nearest surface, and not what is behind it, while a tree that stands above zero is seen through.
+/// only the nearest surface, while a tree that stands above zero is seen through.
 fn is_one_surface(seen: &[Vec3]) -> bool {
-    /// Cells along an edge of the picture, and points of those that count.
+    /// Cells along an edge of the image, and minimum points of those that count.
     const CELLS: usize = 24;
     const MIN_POINTS: usize = 4;
     const MIN_CELLS: usize = 20;
-    /// Depth within a cell as a share of that of all, or of half of the width: images of depth have 0.03 to 0.08.
+    /// Depth within a cell as a share of the depth of all, or of half of the width: depth images have 0.03 to 0.08.
     const MAX_DEPTH: f32 = 0.11;
     let range = |value: &dyn Fn(&Vec3) -> f32| {
         let mut values: Vec<f32> = seen.iter().map(value).collect();
@@ -157,7 +157,7 @@ pub(super) struct Around {
 
 /// Statistics of the points if they are a sweep around a scanner at `eye`.
 pub(super) fn sweep(sample: &CloudSample, eye: Vec3) -> Option<Around> {
-    /// So many times as far apart are the points of the far fifth as those of the near fifth.
+    /// Ratio of the spacing of the far fifth of the points to that of the near fifth.
     const MIN_GROWTH: f32 = 2.5;
     const SECTORS: usize = 36;
     const MIN_SECTORS: usize = 22;

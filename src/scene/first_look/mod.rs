@@ -1,10 +1,9 @@
-//! First look at a sequence that nobody has chosen settings for: guesses of its kind, up axis, viewpoint and render
-//! mode.
+//! Automatic settings of a sequence without chosen ones: guesses of its kind, up axis, viewpoint and render mode.
 //!
 //! **How it works.** A few thousand points of some frames represent the sequence ([`CloudSample`]). Outliers are
-//! removed (`trim.rs`), the distribution of points around the sensor determines what was scanned (`kind.rs`), the
+//! removed (`trim.rs`), the distribution of points around the sensor determines the kind of scene (`kind.rs`), the
 //! format or the orientation of the scene determines the up axis (`up.rs`), and the viewpoint is where most is seen
-//! (`standpoint.rs`). Every guess comes with its reason, for the person who is to believe or change it. It takes a few
+//! (`standpoint.rs`). Every guess comes with its reason, for the user to accept or change it. It takes a few
 //! milliseconds, for clouds of any size, and the same frames give the same answer.
 
 mod colors;
@@ -52,7 +51,7 @@ pub struct FirstLook {
     pub kind: CaptureKind,
     /// Up axis.
     pub up: UpAxis,
-    /// Why it is.
+    /// The reason for the up axis.
     pub up_why: &'static str,
     /// Strength of the evidence for the up axis.
     pub up_evidence: Evidence,
@@ -60,13 +59,13 @@ pub struct FirstLook {
     pub from: Standpoint,
     /// A mesh where the files have triangles, surfels, or points where no surface was sampled.
     pub primitive: Primitive,
-    /// Why.
+    /// The reason for the primitive.
     pub primitive_why: &'static str,
     /// True if there are triangles that can be drawn instead of points.
     pub has_faces: bool,
     /// Share of places of the cloud whose neighbours lie in a plane.
     pub planar_share: f32,
-    /// Ratio of the spacing of the sparse points to that of most points.
+    /// Ratio of the spacing of the sparse points to the spacing of most points.
     pub spacing_spread: f32,
     /// True if back-face culling is safe: culling surfaces that face away hides nothing from any side.
     pub is_closed: bool,
@@ -76,7 +75,7 @@ pub struct FirstLook {
     pub point_size_px: f32,
     /// Guessed colour source of the points, and the reason for it.
     pub colors: ColorGuess,
-    /// True if the colours have baked-in lighting: those of a camera, or of splats reconstructed from images.
+    /// True if the colours have baked-in lighting: from a camera, or from splats reconstructed from images.
     pub colors_have_light: bool,
     /// True if the file's colours are so dark that the default background would hide them.
     pub is_dark: bool,
@@ -86,7 +85,7 @@ pub struct FirstLook {
     pub full: Aabb,
     /// Sample of the first frame, without outliers.
     sample: CloudSample,
-    /// Places that the first picture is to show, of all frames that were looked at.
+    /// Places that the first image is to show, of all examined frames.
     shown: Vec<Vec3>,
     eye: Option<Vec3>,
     /// First of the posed images of the scene, if there are any.
@@ -94,8 +93,8 @@ pub struct FirstLook {
 }
 
 impl FirstLook {
-    /// Guesses from `frames`, whose positions are relative to `origin`. The first tells what it is, all of them where
-    /// it is.
+    /// Guesses from `frames`, whose positions are relative to `origin`. The first determines its kind, all of them its
+    /// extent.
     pub fn of(frames: &[&Frame], origin: DVec3) -> Self {
         let samples = frames.iter().filter(|frame| !frame.is_empty()).map(|frame| {
             let all = CloudSample::of(frame, MAX_POINTS);
@@ -171,8 +170,8 @@ impl FirstLook {
         }
     }
 
-    /// Guesses from the first frame of `sequence` and from as many others as can be read alongside it in no time:
-    /// frames of a scan that walks through a room should all be in the first view. A frame that cannot be read is
+    /// Guesses from the first frame of `sequence` and from as many others as can be read alongside it in negligible
+    /// time: frames of a scan that walks through a room should all be in the first view. A frame that cannot be read is
     /// skipped.
     pub fn of_sequence(first: &Frame, sequence: &Sequence) -> Self {
         let others: Vec<Frame> = others(sequence.len(), first.points_in_file())
@@ -242,12 +241,12 @@ impl FirstLook {
         self.photo.is_some()
     }
 
-    /// Returns the camera of a posed image, orbiting about the centre of what it sees.
+    /// Returns the camera of a posed image, orbiting about the centre of its scene.
     pub fn camera_of_photo(&self, photo: &Photo, origin: DVec3) -> Camera {
         self.camera_of_pinhole(&photo.camera, photo.camera_from_world.inverse(), origin)
     }
 
-    /// Returns the camera of a pinhole, orbiting about the centre of what it sees.
+    /// Returns the camera of a pinhole, orbiting about the centre of its scene.
     pub fn camera_of_pinhole(&self, pinhole: &rgbd::Camera, world_from_camera: DAffine3, origin: DVec3) -> Camera {
         let center = origin + self.trimmed.center().as_dvec3();
         let distance = sensor_target_distance(&world_from_camera, center, f64::from(self.trimmed.radius()));
@@ -270,7 +269,7 @@ impl FirstLook {
         self
     }
 
-    /// Hints for colours that nobody has chosen.
+    /// Hints for colours that were not chosen.
     pub fn color_hints(&self) -> ColorHints {
         color_hints(self.kind, self.up)
     }
@@ -280,7 +279,7 @@ impl FirstLook {
         self.eye
     }
 
-    /// The first view, in which what is not an outlier fills a picture whose width is `aspect` of its height.
+    /// The first view, in which all points except outliers fill an image whose width is `aspect` of its height.
     pub fn camera(&self, origin: DVec3, aspect: f64) -> Camera {
         if let Some(photo) = &self.photo {
             return self.camera_of_photo(photo, origin);
@@ -292,7 +291,7 @@ impl FirstLook {
         camera
     }
 
-    /// Returns the initial camera with `up` as the up axis, whatever was guessed.
+    /// Returns the initial camera with `up` as the up axis, regardless of the guess.
     pub fn camera_with_up(&self, up: UpAxis, origin: DVec3, aspect: f64) -> Camera {
         if up == self.up {
             return self.camera(origin, aspect);
@@ -301,15 +300,15 @@ impl FirstLook {
     }
 
     /// Returns the camera of the sensor that captured a frame whose points are in the coordinate frame of its depth
-    /// camera: that camera, orbiting about the centre of what it sees.
+    /// camera: that camera, orbiting about the centre of its scene.
     pub fn camera_of_sensor(&self, sensor: &Sensor, origin: DVec3) -> Camera {
         self.camera_of_pinhole(&sensor.rig.depth, DAffine3::IDENTITY, origin)
     }
 
-    /// Moves `camera` so that what is not an outlier fills the picture, together with the box `second_bounds` (relative
-    /// to `origin`), keeping its direction.
+    /// Moves `camera` so that all points except outliers fill the image, together with the box `second_bounds`
+    /// (relative to `origin`), keeping its direction.
     pub fn frame(&self, camera: &mut Camera, origin: DVec3, aspect: f64, second_bounds: &Aabb) {
-        // The view of an image shows exactly what that image shows.
+        // The view of an image shows exactly that image's scene.
         let photo = self.photo.as_ref().filter(|_| second_bounds.is_empty());
         if photo.is_some_and(|photo| self.camera_of_photo(photo, origin) == *camera) {
             return;
@@ -326,7 +325,7 @@ impl FirstLook {
     }
 }
 
-/// Hints for colours: where the ground is what was scanned, height tells more than the direction of normals.
+/// Hints for colours: if the ground was scanned, height is more informative than the direction of normals.
 fn color_hints(kind: CaptureKind, up: UpAxis) -> ColorHints {
     ColorHints {
         up: Some(up.direction().as_vec3()),
@@ -409,7 +408,7 @@ impl Told {
 }
 
 /// Returns the indices of the frames examined in addition to the first one of `count`, which has `point_count` points:
-/// as many as have a million points together, four at most.
+/// up to a million points together, four at most.
 fn others(count: usize, point_count: usize) -> Vec<usize> {
     const MAX_FRAMES: usize = 4;
     const MAX_POINTS_READ: usize = 1_000_000;
@@ -447,9 +446,9 @@ fn by_convention(convention: AxisConvention) -> Up {
 
 /// The axis about which the scanner turns. The ground is below it.
 fn up_of_sweep(around: &kind::Around, by_format: Option<Up>) -> Up {
-    /// Scanners that look up and down as far as around have no axis that can be told.
+    /// Scanners that look up and down as far as around have no recognisable axis.
     const FLAT: f32 = 0.35;
-    /// Unless directions are so much flatter along another axis, it is that of the format.
+    /// Unless directions are this much flatter along another axis, it is the format's.
     const MUCH_FLATTER: f32 = 0.6;
     let axis = around.flattest_axis();
     if let Some(format) = by_format {

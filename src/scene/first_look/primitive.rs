@@ -1,4 +1,4 @@
-//! The primitive of a sequence that nobody has chosen one for.
+//! The default primitive of a sequence.
 //!
 //! **How it works.** Triangles are a surface already. Disks show a surface where the points sample one: most places lie
 //! in planes with their neighbours, the points are about equally far apart, and no disk is so wide that it hides the
@@ -10,8 +10,8 @@ use crate::math::Aabb;
 use crate::scene::Primitive;
 use glam::Vec3;
 
-/// Points are drawn as surfels if so large a share of them lies in planes with their neighbours: of objects, and of
-/// ground, of which plants and gaps are a part.
+/// Points are drawn as surfels if this share of them lies in planes with their neighbours: for objects, and for ground,
+/// which includes plants and gaps.
 const SURFACE_SHARE: f32 = 0.4;
 const GROUND_SHARE: f32 = 0.75;
 /// Largest spacing spread of a surface: where sparse points are this many times as far apart as most, they would be
@@ -21,9 +21,9 @@ const MAX_SPREAD: f32 = 3.5;
 /// fourth neighbour on a sphere of 3,300 points; on ground of 2,800, which has more detail.
 const MAX_SPACING: f32 = 0.07;
 const MAX_GROUND_SPACING: f32 = 0.03;
-/// Widest distance of nearly all points: wider disks hide what is behind them.
+/// Widest distance of nearly all points: wider disks hide surfaces behind them.
 const MAX_WIDE_SPACING: f32 = 0.3;
-/// Disks of points that are so many times as far apart as most are wide, and cover at most this share of all.
+/// Disks of points that are this many times as far apart as most count as wide, and cover at most this share of all.
 const WIDE: f32 = 3.0;
 const MAX_WIDE_AREA: f32 = 0.2;
 
@@ -99,7 +99,7 @@ fn why_no_surface(captured: &Captured<'_>) -> Option<&'static str> {
     None
 }
 
-/// Share of the area of all disks that is that of wide ones.
+/// Share of wide disks in the area of all disks.
 fn wide_area(sample: &CloudSample) -> f32 {
     let wide_from = WIDE * sample.median_spacing();
     let area = |is_taken: &dyn Fn(f32) -> bool| -> f32 {

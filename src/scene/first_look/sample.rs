@@ -1,6 +1,6 @@
 //! Sample of a few thousand points that represents a frame, with a description of their neighbourhoods.
 //!
-//! **How it works.** Points of a frame are stored in Morton order, so what is close in memory is close in space: the
+//! **How it works.** Points of a frame are stored in Morton order, so points close in memory are close in space: the
 //! distance to the neighbours of a point, and whether they lie in a plane, are estimated from the points around its
 //! slot, without any search. Some neighbours are missed that way at borders of Morton cells; medians over hundreds of
 //! places are robust to that.
@@ -10,7 +10,7 @@ use crate::math::SymmetricMat3;
 use crate::scene::style::luma;
 use glam::Vec3;
 
-/// Most points that stand for a cloud; statistics of so many are within a per cent.
+/// Maximum number of points that represent a cloud; their statistics are within a per cent.
 pub(super) const MAX_POINTS: usize = 1 << 14;
 /// Slots to either side among which neighbours are looked for.
 const SLOTS_AROUND: usize = 8;
@@ -22,7 +22,7 @@ const SPACING_NEIGHBOUR: usize = 4;
 const RANDOM_SHARE: f32 = 0.43;
 
 /// The widest gap between 10,000 points at random is a circle with the area of nine of them, √(9/π) = 1.7 times as wide
-/// as the circle of one; the rims of disks weigh next to nothing.
+/// as the circle of one; the edges of disks weigh next to nothing.
 const MAX_CLOSING: f32 = 2.4;
 /// Number of sampled positions of [`typical_spacing`], which is queried during playback: their median is accurate to
 /// within two per cent.
@@ -31,7 +31,7 @@ const SPACED_PLACES: usize = 1 << 12;
 const PLACES: usize = 512;
 /// Points in a row among which the neighbours of a place are looked for.
 const RUN: usize = 64;
-/// Neighbours that a plane is fitted to, as many as normals are estimated from.
+/// Neighbours that a plane is fitted to, the same number as for normals.
 const NEIGHBOURS: usize = 12;
 
 /// Points of a frame, taken evenly, and the distance from each to its surroundings.
@@ -109,8 +109,8 @@ pub(super) fn median_luma(frame: &Frame) -> Option<f32> {
 pub(crate) struct PointSpacing {
     /// Scene units; 0 without points.
     pub(crate) typical: f32,
-    /// Disks as large as the area of a point close a surface if they are so many times as wide: 1 on a grid, more where
-    /// points are at random.
+    /// Disks as large as the area of a point close a surface if they are this many times as wide: 1 on a grid, more
+    /// where points are at random.
     pub(crate) closing: f32,
 }
 
@@ -168,7 +168,7 @@ fn spacings_at(positions: &[Vec3], slot: usize) -> (f32, f32) {
     (nearest.sqrt(), further.sqrt())
 }
 
-/// Share of places whose neighbours lie in a plane; 0 where there are too few points to tell.
+/// Share of places whose neighbours lie in a plane; 0 if there are too few points.
 fn planar_share(positions: &[Vec3]) -> f32 {
     if positions.len() < RUN {
         return 0.0;
@@ -192,8 +192,7 @@ fn run_at(positions: &[Vec3], start: usize) -> Vec<Vec3> {
     run
 }
 
-/// Returns true if the neighbours of the point at the centre of a run are planar, and not collinear as those of a scan
-/// line are.
+/// Returns true if the neighbours of the point at the centre of a run are planar, and not collinear as in a scan line.
 fn is_planar(run: &[Vec3]) -> bool {
     /// Thickness and width as shares of the whole variance.
     const MAX_THICKNESS: f64 = 0.06;

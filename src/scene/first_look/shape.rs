@@ -8,7 +8,7 @@
 //! - *A height field.* Seen from an aircraft or a drone the ground has one height at each position.
 //!
 //! None of them determines which end is up: it is the positive one. Rules that tried (crowns and ears are narrower than
-//! what carries them) put as many clouds upside down as upright.
+//! their support) put as many clouds upside down as upright.
 
 use super::sample::{CloudSample, quantile};
 use super::up::{Up, along};
@@ -33,7 +33,7 @@ pub(super) fn of_slender(bounds: &Aabb) -> Option<Up> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Symmetry {
     pub(super) up: Up,
-    /// True if it is more telling than what most files of a format have.
+    /// True if it is more reliable than the convention of a format.
     pub(super) is_strong: bool,
 }
 
@@ -105,7 +105,7 @@ fn asymmetry(sample: &CloudSample, axis: usize) -> f32 {
 /// Cells along an edge of a footprint.
 const GRID: usize = 24;
 
-/// Guesses the up axis of a height field, ground seen from above. Low relief is that of maps, whose height is Z:
+/// Guesses the up axis of a height field, ground seen from above. Low relief is typical of maps, whose height is Z:
 /// facades are height fields along the other axes. Deep relief that fills its whole footprint, and nothing else, is a
 /// mountain along either axis.
 pub(super) fn of_height_field(sample: &CloudSample, bounds: &Aabb) -> Option<Up> {
@@ -144,7 +144,7 @@ pub(super) fn of_height_field(sample: &CloudSample, bounds: &Aabb) -> Option<Up>
 
 /// Footprint of the cloud, as seen along an axis.
 struct Footprint {
-    /// Median extent of the points over a cell along the axis, as a share of that of all.
+    /// Median extent of the points over a cell along the axis, as a share of the extent of all.
     thickness: f32,
     /// Share of the cells of the box that have points.
     filled: f32,

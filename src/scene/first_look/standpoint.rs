@@ -1,8 +1,8 @@
 //! From where a cloud is seen first.
 //!
-//! **How it works.** What a sensor saw is seen from the sensor's side. Of anything else a few views are tried on a
-//! coarse picture of the sample: how much of it is covered, and how much of that is surface that faces the view. The
-//! usual view, from the front a little to the right and above, is left only for one that shows clearly more.
+//! **How it works.** A sensor's scene is seen from the sensor's side. For anything else a few views are tried on a
+//! coarse image of the sample: the fraction covered, and the fraction of that whose surface faces the view. The default
+//! view, from the front a little to the right and above, is left only for one that shows clearly more.
 
 use super::kind::CaptureKind;
 use super::sample::CloudSample;
@@ -27,18 +27,17 @@ const USUAL: Standpoint = Standpoint {
     elevation_deg: 15.0,
     why: "from the front, a little to the right and above",
 };
-/// From higher, so that what is wide and flat covers some of the picture.
+/// From higher, so that wide, flat clouds cover some of the image.
 const TERRAIN_ELEVATION_DEG: f64 = 35.0;
 const SWEEP_ELEVATION_DEG: f64 = 30.0;
 /// Azimuths of candidate views along the horizon, those closer to the front first.
 const AZIMUTHS_DEG: [f64; 11] = [
     -30.0, 0.0, 60.0, -60.0, 90.0, -90.0, 120.0, -120.0, 150.0, -150.0, 180.0,
 ];
-/// Another view is taken if it shows so many times as much.
+/// Another view is taken if it shows this many times as much.
 const CLEARLY_MORE: f32 = 1.25;
 
-/// Chooses the viewpoint of the first view. `eye` is the sensor position, if it is known or estimated from what the
-/// sensor saw.
+/// Chooses the viewpoint of the first view. `eye` is the sensor position, if it is known or estimated from the points.
 pub(super) fn standpoint(
     kind: CaptureKind,
     up: UpAxis,
@@ -104,12 +103,12 @@ fn max_surface(up: UpAxis, sample: &CloudSample, bounds: &Aabb, elevation_deg: f
     best.1
 }
 
-/// Cells along an edge of a coarse picture: a few points of a sample are in each.
+/// Cells along an edge of a coarse image: a few points of a sample are in each.
 const CELLS: usize = 48;
 
-/// The nearest point of a sample in each cell of a small picture by parallel rays.
+/// The nearest point of a sample in each cell of a small image by parallel rays.
 struct CoarsePicture {
-    /// Facing ratio of the surface in each cell, −1 to 1; 1 where it has no normal. `None` for empty cells.
+    /// Facing ratio of the surface in each cell, −1 to 1; 1 without a normal. `None` for empty cells.
     cells: Vec<Option<f32>>,
 }
 
@@ -146,7 +145,7 @@ impl CoarsePicture {
 /// Returns true if back-face culling would leave nothing missing from any side: each view shows front faces only. False
 /// without normals.
 pub(super) fn is_closed(sample: &CloudSample, bounds: &Aabb) -> bool {
-    /// Points near an outline face away a little although what they stand for does not.
+    /// Points near an outline face away a little although their surface does not.
     const CLEARLY_AWAY: f32 = -0.3;
     const MAX_BACKS: f32 = 0.01;
     const ELEVATIONS_DEG: [f64; 5] = [-90.0, -40.0, 0.0, 40.0, 90.0];

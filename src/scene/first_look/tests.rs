@@ -1,4 +1,4 @@
-//! What the first view promises, for points anywhere.
+//! Guarantees of the first view, for points anywhere.
 
 use super::*;
 use crate::cloud::{Ellipse, ImageGrid, Positions, RawCloud};
@@ -8,7 +8,7 @@ use crate::sequence::{ColorSource, Coloring, HeightAxis};
 use glam::{DVec2, UVec2};
 use proptest::prelude::*;
 
-/// The largest distance of a point from the middle of a picture, as a share of half its edge; `None` if one is behind
+/// The largest distance of a point from the centre of an image, as a share of half its edge; `None` if one is behind
 /// the eye.
 fn farthest_out(camera: &Camera, points: &[Vec3], origin: DVec3, size_px: [u32; 2]) -> Option<f64> {
     let half = UVec2::from_array(size_px).as_dvec2() / 2.0;
@@ -19,7 +19,7 @@ fn farthest_out(camera: &Camera, points: &[Vec3], origin: DVec3, size_px: [u32; 
 }
 
 proptest! {
-    /// Every point is within the picture, and from a little closer one is not.
+    /// Every point is within the image, and from a little closer one is not.
     #[test]
     fn points_just_fit_the_image(
         points in prop::collection::vec(prop::array::uniform3(-1f32..1.0), 2..50),

@@ -1,22 +1,22 @@
 //! Bounding box that is robust to a few outliers.
 //!
-//! **How it works.** An outlier is far from everything: its spacing is many times that of the cloud. The most isolated
-//! points, one in twenty at most, are excluded; what is dense stays, however thin or far away it is, so that an
-//! antenna, a second object or the end of a line is never cut off. Points that are hundreds of times as far from one
-//! another as those of the cloud, in all directions, sample nothing: up to a quarter may be such.
+//! **How it works.** An outlier is far from everything: its spacing is many times the cloud's. The most isolated
+//! points, one in twenty at most, are excluded; dense parts stay, however thin or far away it is, so that an antenna, a
+//! second object or the end of a line is never cut off. Points that are hundreds of times as far from one another as
+//! those of the cloud, in all directions, sample nothing: up to a quarter may be such.
 
 use super::sample::CloudSample;
 use crate::math::Aabb;
 
 /// Largest fraction of the points that is excluded as outliers.
 const MAX_OUTLIERS: f64 = 0.05;
-/// At most this share if they sample nothing, which they do from so many times the median spacing on.
+/// At most this share if they sample nothing, which they do from this many times the median spacing on.
 const MAX_UNSAMPLED: f64 = 0.25;
 const UNSAMPLED_SPACINGS: f32 = 300.0;
 /// A point is isolated from this many times the median spacing on.
 const ISOLATED_SPACINGS: f32 = 8.0;
 
-/// Indices of the points that are no outliers, ascending.
+/// Indices of the points that are not outliers, ascending.
 pub(super) fn inliers(sample: &CloudSample) -> Vec<usize> {
     let isolated_from = ISOLATED_SPACINGS * sample.median_spacing();
     // By isolation, not by the distance from the rest: dense parts stay, however thin or far away.

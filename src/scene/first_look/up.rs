@@ -24,7 +24,7 @@ impl Up {
         self.axis.direction() == -other.axis.direction()
     }
 
-    /// By how the points lie.
+    /// The up axis by the distribution of the points.
     pub(super) fn by_points(axis: UpAxis, why: &'static str) -> Self {
         Self::new(axis, why, Evidence::Statistics)
     }
@@ -73,10 +73,10 @@ pub(super) fn on_zero(bounds: &Aabb, zero: Vec3) -> Option<Up> {
     found
 }
 
-/// Things stand on what is broad and flat: a large share of one side lies in one plane. Upside down, that has to be as
-/// broad as the cloud: crowns of trees are flat above as well.
+/// Things stand on broad, flat bases: a large share of one side lies in one plane. Upside down, that has to be as broad
+/// as the cloud: crowns of trees are flat above as well.
 pub(super) fn on_base(sample: &CloudSample, bounds: &Aabb) -> Option<Up> {
-    /// Share of the footprint that a base covers, and how many times what the other side does.
+    /// Share of the footprint that a base covers, and its ratio to the other side's.
     const BASE: f32 = 0.15;
     const BROADER: f32 = 5.0;
     /// Threshold for a base above, as a fraction of the box as well.

@@ -1,11 +1,11 @@
 //! Directional albedo of rough surfaces: the light they mirror, and the energy that one pass over their microfacets
 //! loses.
 //!
-//! **How it works.** Microfacets are those of GGX (Walter et al. 2007) with the height-correlated masking of Smith
-//! (Heitz 2014). Their formula covers one bounce only. On rough surfaces light bounces again, so a white metal would be
-//! grey. Kulla and Conty 2017 give back what is lost as a second lobe, a product of the losses at both angles: it is
-//! the same when light and eye change places, and energy is neither created nor lost. A dielectric scatters the light
-//! that its microfacets let in, again in proportion at both angles.
+//! **How it works.** Microfacets follow GGX (Walter et al. 2007) with the height-correlated masking of Smith (Heitz
+//! 2014). Their formula covers one bounce only. On rough surfaces light bounces again, so a white metal would be grey.
+//! Kulla and Conty 2017 return the lost energy as a second lobe, a product of the losses at both angles: it is the same
+//! when light and eye change places, and energy is neither created nor lost. A dielectric scatters the light that its
+//! microfacets let in, again in proportion at both angles.
 //!
 //! The losses are integrals with one parameter, the cosine between normal and eye; they are tabulated for the roughness
 //! of an image, and both renderers interpolate between the same entries. Samples are of the microfacets that the eye
@@ -26,7 +26,7 @@ pub struct AlbedoCurve {
     pub entries: [[f32; 4]; Self::COUNT],
     /// Means over all directions of light, by their cosine, of the last two.
     pub mean_loss: f32,
-    /// That of the share that is let in.
+    /// The curve of the share that is let in.
     pub mean_let_in: f32,
 }
 
@@ -35,7 +35,7 @@ const GRID: [usize; 2] = [48, 32];
 
 impl AlbedoCurve {
     /// Entries.
-    // The losses have one parameter, as the roughness is that of the whole image: 10 ms when it changes.
+    // The losses have one parameter, as the roughness is the whole image's: 10 ms when it changes.
     pub const COUNT: usize = 128;
 
     /// Creates the albedo curve of a roughness from 0 to 1.
@@ -150,9 +150,8 @@ mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
-    /// What is mirrored by brute force: the formula of microfacets summed over the half sphere in double precision, in
-    /// equal steps of the azimuth, and in steps of the slope of microfacets that are closer to each other for steep
-    /// ones.
+    /// Reflection by brute force: the formula of microfacets summed over the half sphere in double precision, in equal
+    /// steps of the azimuth, and in steps of the slope of microfacets that are closer to each other for steep ones.
     fn mirrored_by_quadrature(cosine: f64, alpha: f64) -> [f64; 2] {
         const STEPS: [usize; 2] = [1000, 500];
         let to_eye = [(1.0 - cosine * cosine).sqrt(), 0.0, cosine];

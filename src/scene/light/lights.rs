@@ -2,8 +2,8 @@
 //!
 //! **How it works** (Hofer et al. 2018 §3.6; Botsch and Kobbelt 2003). Splats write colours, normals and depths instead
 //! of lit colours; lighting is evaluated once for each pixel of the blended surface. A packet's lights are given in
-//! view space, as renderers need them: lamps move with the camera, so that what is seen is lit. Colours are linear, and
-//! such that a white surface across a lamp of 1 is white.
+//! view space, as renderers need them: lamps move with the camera, so that the visible side is lit. Colours are linear,
+//! and such that a white surface across a lamp of 1 is white.
 //!
 //! Light of a lamp follows Lambert, with the highlights of Blinn 1977 where they are requested. The headlight shines
 //! from the eye. Surfaces are two-sided: normals are turned towards the eye first.
@@ -26,7 +26,7 @@ pub struct Lights {
     pub specular: f32,
     /// Lamps in addition to the headlight; black ones are off.
     pub lamps: [Lamp; Lights::MAX_LAMPS],
-    /// Distance to the centre of the cloud: a unit of distances in which those of surfaces are near 1.
+    /// Distance to the centre of the cloud: a unit in which distances of surfaces are near 1.
     pub usual_distance: f32,
 }
 
@@ -63,7 +63,7 @@ impl Lights {
     /// Specular exponent of Blinn 1977, which determines how small highlights are.
     pub const SHININESS: u32 = 32;
 
-    /// The first lamp, if it is far away: its shadow can be told.
+    /// The first lamp, if it is far away, so that its shadow can be determined.
     pub fn key(&self) -> Option<&Lamp> {
         self.lamps.first().filter(|lamp| lamp.is_on() && lamp.place.w == 0.0)
     }
@@ -99,7 +99,7 @@ impl Lights {
             head,
             specular,
             lamps: all,
-            // From within a cloud, what is seen of it is about as far away as it is large.
+            // From within a cloud, its visible parts are about as far away as it is large.
             usual_distance: (-center.z).max(0.5 * radius).max(packet.view.near),
         })
     }

@@ -5,10 +5,10 @@
 //!
 //! - one bounce is D·V·F: the distribution of GGX, the height-correlated visibility of Smith (Heitz 2014), and Schlick
 //!   1994;
-//! - further bounces, and what is scattered below, are products of losses at both angles (`albedo_curve.rs`).
+//! - further bounces, and the light scattered below, are products of losses at both angles (`albedo_curve.rs`).
 //!
 //! So a white surface in white light from all sides is white, whatever its material: no energy is lost or created. For
-//! the environment, one bounce is the split sum of Karis 2013, and the rest that of a matt surface.
+//! the environment, one bounce is the split sum of Karis 2013, and the rest is a matt surface's.
 //!
 //! Light is in the unit of lamps: a matt white surface across a lamp of 1 is white. So formulas lack a π of the books.
 
@@ -23,14 +23,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Intensity of the environment that fills areas lamps do not reach.
 const ENVIRONMENT_WITH_LAMPS: f32 = 0.3;
 
-/// The material and the environment of a picture.
+/// The material and the environment of an image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PhysicalLight {
     /// Metalness of the material, 0 to 1.
     pub metallic: f32,
     /// Square of the roughness, for lamps.
     pub alpha: f32,
-    /// From directions of view space to those of the environment.
+    /// From directions of view space to directions of the environment.
     pub environment_from_view: Mat3,
     /// Factor on the texels.
     pub environment_light: f32,
@@ -54,7 +54,7 @@ pub struct PhysicalTables {
 impl PhysicalTables {
     /// Texels in a row, with the border of the environment.
     pub const WIDTH: usize = EnvironmentMap::EDGE + 2;
-    /// Rows, the last of which is that of the curve.
+    /// Rows, the last of which is the curve's.
     pub const HEIGHT: usize = Self::WIDTH + 1;
 
     fn new(environment: Environment, roughness: f32) -> Self {
@@ -86,10 +86,10 @@ impl PhysicalTables {
 }
 
 impl PhysicalLight {
-    /// Highlights of lamps are at least those of this roughness: a mirror would show a lamp as a point without size.
+    /// Minimum roughness of highlights of lamps: a mirror would show a lamp as a point without size.
     pub const MIN_ROUGHNESS: f32 = 0.045;
 
-    /// That of a packet; `None` if it is shaded otherwise.
+    /// The physical light of a packet; `None` if it is shaded otherwise.
     pub fn of(packet: &ScenePacket) -> Option<Self> {
         if packet.lighting() != Lighting::Physical {
             return None;

@@ -12,9 +12,8 @@
 //!
 //! - splats are pushed away from the lamp by their radius, as in the visibility pass, so that disks of one surface
 //!   count as one; cells by twice the distance from their centre to a corner, since their faces are steps;
-//! - positions are moved along their normal by [`Shadow::OFFSET_TEXELS`]: what a plane at a slope rises between a
-//!   position
-//!   and the texels around it that are looked up.
+//! - positions are moved along their normal by [`Shadow::OFFSET_TEXELS`]: the rise of a sloping plane between a
+//!   position and the texels around it that are looked up.
 //!
 //! The map depends on the cloud and on the direction of the lamp in it: zooming and panning leave it unchanged.
 
@@ -24,7 +23,7 @@ use crate::scene::view::camera::TELEPHOTO_FOCAL;
 use crate::scene::{Lights, ScenePacket, ViewTransform};
 use glam::{DVec3, Mat3, Vec4};
 
-/// Radius of what the map shows, as a share of the cloud's: splats at its border reach beyond it.
+/// Radius covered by the map, as a share of the cloud's: splats at its border reach beyond it.
 const SHOWN_OF_RADIUS: f32 = 1.05;
 
 /// The depth map of the key light.
@@ -32,7 +31,7 @@ const SHOWN_OF_RADIUS: f32 = 1.05;
 pub struct Shadow {
     /// The cloud as the lamp sees it; depths alone count, of the visibility pass or of cells.
     pub lamp_packet: ScenePacket,
-    /// Rows of the matrix from the view space of the picture into that of the lamp.
+    /// Rows of the matrix from the view space of the image into the lamp's.
     pub lamp_from_view: [Vec4; 3],
     /// Edge length of a texel at the centre of the cloud, scene units.
     pub texel: f32,
@@ -57,8 +56,8 @@ impl Shadow {
     // The price: thin objects cast no shadow at their base.
     const SLACK_OF_POINTS_RADII: f32 = 3.0;
 
-    /// That of a packet as it is drawn ([`ScenePacket::as_drawn`]); `None` where there is none, or no key light that is
-    /// far away.
+    /// The shadow of a packet as it is drawn ([`ScenePacket::as_drawn`]); `None` without shadows, or without a distant
+    /// key light.
     pub fn of(packet: &ScenePacket) -> Option<Self> {
         let is_on = packet.style.has_shadows();
         let lights = Lights::of(packet).filter(|_| is_on)?;
@@ -107,8 +106,8 @@ fn lamp_from_view(view: &ViewTransform, lamp_view: &ViewTransform) -> [Vec4; 3] 
     [0, 1, 2].map(|axis| rotation.row(axis).extend(offset[axis]).as_vec4())
 }
 
-/// A packet for the depths of the same records. Surfaces cast shadows to both sides. What points cast is that of their
-/// surfels: the size of a point in a picture is none in the scene.
+/// A packet for the depths of the same records. Surfaces cast shadows to both sides. Points cast the shadows of their
+/// surfels: the size of a point in an image is not a size in the scene.
 fn seen_from_lamp(packet: &ScenePacket, view: ViewTransform) -> ScenePacket {
     let mut seen = packet.for_depths(view, [Shadow::EDGE_PX; 2]);
     if seen.style.primitive == Primitive::Point {

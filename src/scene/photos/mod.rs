@@ -1,4 +1,4 @@
-//! View-dependent texturing: camera positions of the posed images, and the depth of what each shows.
+//! View-dependent texturing: camera positions of the posed images, and the depth maps of their scenes.
 
 pub(super) mod photo_depths;
 pub(super) mod photo_views;

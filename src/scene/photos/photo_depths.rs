@@ -5,8 +5,8 @@ use rayon::prelude::*;
 /// Maximum distance to a depth discontinuity for it to count, texels.
 const STEP_TEXELS: usize = 3;
 
-/// Depth maps of the surface of a frame as the posed images see it, whatever the eye sees of it: one for each image, in
-/// their order.
+/// Depth maps of the surface of a frame as the posed images see it, regardless of the eye's view: one for each image,
+/// in their order.
 #[derive(Debug, Default)]
 pub struct PhotoDepths {
     pub(crate) maps: Vec<DepthMap>,
@@ -20,42 +20,42 @@ impl PhotoDepths {
     }
 }
 
-/// Distances along the axis of a photograph's camera.
+/// Distances along the axis of an input image's camera.
 #[derive(Debug)]
 pub(crate) struct DepthMap {
     pub(crate) size: [u32; 2],
-    /// 0 where nothing is known; negative near steps.
+    /// 0 if unknown; negative near steps.
     pub(crate) distances: Vec<f32>,
-    /// Places that are so much behind what is there are hidden by it.
+    /// Places this far behind the surface there are hidden by it.
     pub(crate) tolerance: f32,
     /// True if the depth map was measured rather than drawn of the surface itself: it may contradict that.
     pub(crate) is_measured: bool,
 }
 
-/// Depth relation of a position to what an image shows there.
+/// Depth relation of a position to the surface an image shows there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum DepthRelation {
-    /// It is what the image shows, as far as is known.
+    /// It is on the surface in the image, as far as is known.
     There,
     /// Something before it hides it.
     Hidden,
-    /// The image shows what is behind it.
+    /// The image shows a surface behind it.
     Through,
 }
 
 impl DepthMap {
-    /// Depth tolerance: how far a position may be behind what is seen, as a fraction of the depth of that (Yang et al.
-    /// 2006 §4.1).
+    /// Depth tolerance: distance that a position may be behind the visible surface, as a fraction of the surface's
+    /// depth (Yang et al. 2006 §4.1).
     const TOLERANCE: f32 = 0.05;
 
     /// Minimum depth tolerance as a fraction of the surface's size: a wall has no depth.
     const MIN_TOLERANCE: f32 = 0.01;
 
-    /// Maximum depth tolerance as a fraction of the distance to what is seen: outliers make any surface large.
+    /// Maximum depth tolerance as a fraction of the distance to the visible surface: outliers make any surface large.
     const MAX_OF_DISTANCE: f32 = 0.03;
 
-    /// A map of these distances. Precondition: they are as many as `size` has pixels, and these are some.
-    /// `max_extent` is how large the whole surface is.
+    /// A map of these distances. Precondition: one per pixel of `size`, which is not empty. `max_extent` is the size of
+    /// the whole surface.
     pub(crate) fn new(size: [u32; 2], mut distances: Vec<f32>, max_extent: f32, is_measured: bool) -> Self {
         debug_assert_eq!(distances.len(), size[0] as usize * size[1] as usize);
         for distance in &mut distances {
@@ -97,9 +97,9 @@ impl DepthMap {
     }
 }
 
-/// Marks depth discontinuities by making negative what is within [`STEP_TEXELS`] of a step larger than `tolerance`, or
-/// of nothing: slightly next to there, an image shows something else. Least and largest are found along lines, then
-/// across them.
+/// Marks depth discontinuities by negating depths within [`STEP_TEXELS`] of a step larger than `tolerance`, or of a
+/// hole: slightly next to there, an image shows something else. Least and largest are found along lines, then across
+/// them.
 fn mark_steps(distances: &mut [f32], width: usize, tolerance: f32) {
     let height = distances.len() / width.max(1);
     let window = |at: usize, end: usize| at.saturating_sub(STEP_TEXELS)..(at + STEP_TEXELS + 1).min(end);
@@ -129,7 +129,7 @@ fn mark_steps(distances: &mut [f32], width: usize, tolerance: f32) {
 
 /// From the nearest to the farthest of some distances, without a fiftieth of them at both ends; and their median.
 fn extent(distances: &[f32]) -> (f32, f32) {
-    /// That many are looked at: every one of a small map.
+    /// Number of depths examined: every one of a small map.
     const SAMPLES: usize = 1 << 14;
     let step = distances.len().div_ceil(SAMPLES).max(1);
     let known = distances.iter().step_by(step).copied();

@@ -1,16 +1,16 @@
 //! View-dependent texturing (Yang et al. 2006 §3): camera poses of the posed images relative to the rendered view, and
-//! what each of them may see.
+//! their visibility.
 //!
 //! **How it works.** Surfaces are drawn first, into the sums of deferred shading; then each pixel queries the posed
-//! images once. (The paper queries them for every fragment of every splat.) Images that look at a position from about
-//! where the eye is count most: `w = exp(−θ²/σ²)`, with θ between the directions from the position to both (§3.2). An
-//! image does not see a position that is behind what it shows (§3.3): that is determined by a depth map for each, from
+//! images once. (The paper queries them for every fragment of every splat.) Images that look at a position from near
+//! the eye's direction count most: `w = exp(−θ²/σ²)`, with θ between the directions from the position to both (§3.2).
+//! An image does not see a position behind its visible surface (§3.3): that is determined by a depth map for each, from
 //! its file or drawn of the whole surface as it sees it.
 //!
-//! Weights are taken relative to that of the first view that is not blended any more ([`PhotoViews::blended`]), so that
-//! none of them appears or vanishes at once while the eye moves (Buehler et al. 2001).
+//! Weights are taken relative to the first view that is no longer blended ([`PhotoViews::blended`]), so that none of
+//! them appears or vanishes at once while the eye moves (Buehler et al. 2001).
 //!
-//! Surfaces can be relit with depth-map normals of what the images see (§4.1): `render/cpu/photos/normals.rs`.
+//! Surfaces can be relit with depth-map normals of the surfaces in the images (§4.1): `render/cpu/photos/normals.rs`.
 
 use crate::photos::PosedImage;
 use crate::scene::style::Primitive;
@@ -39,7 +39,7 @@ pub struct PhotoViews {
 /// Camera pose of one posed image, relative to the rendered view.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PhotoView {
-    /// Rows of the matrix from the view space of the picture into that of the camera: x right, y down, z forward.
+    /// Rows of the matrix from the view space of the rendered image into the camera's: x right, y down, z forward.
     pub camera_from_view: [Vec4; 3],
     /// Camera centre, in the view space of the rendered image.
     pub center: Vec3,
@@ -121,7 +121,7 @@ pub fn seen_by_photo(packet: &ScenePacket, posed_image: &PosedImage) -> Option<S
     let view = view_of(posed_image, shown.origin, packet, viewport_px);
     let mut seen = packet.for_depths(view, viewport_px);
     // The whole surface, not the nodes selected for the rendered image: these change with the view, and do not cover
-    // what is outside it.
+    // the surface outside it.
     seen.content = Content::Surfels(surface);
     seen.style.primitive = Primitive::Surfel;
     Some(seen)
@@ -179,7 +179,7 @@ mod tests {
         }
     }
 
-    /// Of places of the world, relative to an origin, seen by some camera.
+    /// For places of the world, relative to an origin, seen by some camera.
     #[test]
     fn image_positions_match_the_posed_image() {
         let posed_image = posed_image();

@@ -1,4 +1,4 @@
-//! Posed images of what a packet shows.
+//! Posed images of the scene in a packet.
 
 use crate::photos::PosedImages;
 use crate::scene::{Content, PhotoDepths, Surfels};
@@ -12,7 +12,7 @@ pub struct PhotosInFrame {
     pub posed_images: Arc<PosedImages>,
     /// Origin that positions of the frame are relative to.
     pub origin: DVec3,
-    /// Complete surface, whatever of it is drawn: what the posed images see of it does not change with the view.
+    /// Complete surface, even if partly drawn: the posed images' view of it does not change with the camera.
     pub surface: Option<Surfels>,
     /// Depth maps of the surface as the posed images see it, if they were drawn ahead; otherwise the renderer of the
     /// packet does that first.

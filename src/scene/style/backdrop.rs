@@ -4,7 +4,7 @@ use super::background::Background;
 use super::describe::{Section, Values, group};
 
 group! {
-    /// Backdrop settings: what is shown in addition to the cloud.
+    /// Backdrop settings: the surroundings of the cloud.
     Backdrop {
         /// Background behind the cloud.
         background: Background = Background::default(), "background" BACKGROUND {

@@ -10,11 +10,11 @@ pub trait Automatic: Setting<Decided = Self> + Copy + PartialEq + 'static {
     /// Default value for a choice that is left open and that nothing else decides.
     const USUAL: Self;
 
-    /// The words of [`Choice`]: that of the open choice, and one per value.
+    /// The words of [`Choice`]: one for the open choice, and one per value.
     const OPEN_WORDS: &'static Words;
 }
 
-/// A choice that a person may leave to the program. What is drawn has none: see
+/// A choice that the user may leave to the program. Resolved styles have none: see
 /// [`Settings::resolved`](super::Settings).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Choice<T> {

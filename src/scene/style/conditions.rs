@@ -1,4 +1,4 @@
-//! Conditions on a render mode: when settings have an effect, and what passes query.
+//! Conditions on a render mode: when settings have an effect, and queries of passes.
 
 use super::describe::Conditions;
 use super::{

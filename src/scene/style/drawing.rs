@@ -82,7 +82,7 @@ impl Antialiasing {
     /// Maximum number of search steps along an edge for its end.
     pub const FXAA_SEARCH_STEPS: u32 = 16;
 
-    /// Pixels that are drawn for one that is shown, along both edges of the picture.
+    /// Pixels drawn per pixel shown, along both edges of the image.
     pub const fn samples_per_edge(self) -> u32 {
         match self {
             Self::None | Self::Fxaa => 1,
@@ -136,8 +136,7 @@ group! {
             label: Label::If(|drawn| drawn.is_drawn_on_gpu(), Place::Who, "{}"),
             values: Values::Words(Strategy::WORDS),
         }
-        /// Edge of the picture that is drawn, as a share of the one that is shown: below 1 fewer pixels are drawn and
-        /// scaled up.
+        /// Edge of the drawn image, as a share of the shown one's: below 1 fewer pixels are drawn and scaled up.
         resolution: f32 = 1.0, "resolution" RESOLUTION {
             flag: "render-scale",
             other_flags: &["resolution"],

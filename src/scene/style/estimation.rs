@@ -1,4 +1,4 @@
-//! Settings of what is estimated from the points: normals, and positions on a smooth surface.
+//! Settings of estimates from the points: normals, and positions on a smooth surface.
 
 use super::choices::choices;
 use super::describe::{Label, Numbers, Place, Section, Typed, Unit, Values, group};
@@ -14,7 +14,7 @@ choices! {
 }
 
 group! {
-    /// Estimation settings. They change what frames are prepared with, not how they are drawn.
+    /// Estimation settings. They change the preparation of frames, not their drawing.
     EstimationStyle {
         /// Number of neighbours that a normal is estimated from; 0 for an automatic one.
         neighbours: f32 = 0.0, "normals_k" NEIGHBOURS {

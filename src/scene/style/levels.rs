@@ -40,7 +40,7 @@ impl LevelStructure {
         }
     }
 
-    /// The structure that levels are of: whatever is no structure of surfels is made of the octree.
+    /// The structure of the levels: all but surfel structures are made from the octree.
     pub fn of(kind: LevelsKind) -> Self {
         let mut all = Self::ALL.iter().copied();
         all.find(|structure| structure.kind() == kind).unwrap_or(Self::Octree)

@@ -6,7 +6,7 @@ use super::describe::{Label, Numbers, Place, Section, Typed, Unit, Values, group
 use crate::scene::environment::Environment;
 
 choices! {
-    /// Lighting mode: where the headlight is evaluated (the 4D media paper §V-B), or what deferred shading does with
+    /// Lighting mode: the place where the headlight is evaluated (the 4D media paper §V-B), or the deferred shading of
     /// the finished surface (Hofer et al. 2018 §3.6). Colours of cameras have their light in them, and are not lit
     /// again.
     Lighting, "lighting", auto PerFragment = "Automatic",
@@ -38,7 +38,7 @@ impl Lighting {
         }
     }
 
-    /// Returns true if shading is deferred: light falls on the blended surface, not on splats.
+    /// Returns true if shading is deferred: the blended surface is lit, not the splats.
     pub fn is_deferred(self) -> bool {
         matches!(self, Self::Lambert | Self::BlinnPhong | Self::Physical)
     }
@@ -171,7 +171,7 @@ group! {
             also: &["cast shadows"],
             values: Values::Words(OnOff::WORDS),
         }
-        /// Ambient occlusion: light blocked by what is near a point.
+        /// Ambient occlusion: light blocked by surfaces near a point.
         ao: OnOff = OnOff::Off, "ao" AO {
             flag: "ao",
             value_name: "WHETHER",
@@ -276,7 +276,7 @@ group! {
 }
 
 impl LightStyle {
-    /// The power that channels of the picture from 0 to 1 are raised to; `None` where they stay as they are.
+    /// The power that channels of the image from 0 to 1 are raised to; `None` if they are unchanged.
     pub fn tone_exponent(&self) -> Option<f32> {
         let changes = self.gamma > 0.0 && self.gamma.is_finite() && (self.gamma - 1.0).abs() > f32::EPSILON;
         changes.then(|| 1.0 / self.gamma)

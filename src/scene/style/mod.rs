@@ -1,8 +1,8 @@
 //! Render settings in groups, and the style that they resolve to with nothing left open.
 //!
-//! [`Settings`] are what the user chooses: they are persisted, and may be left open. [`Settings::resolved`] resolves
-//! them to a [`Style`], which leaves nothing open: packets and renderers know no other. Values derived for a single
-//! image are in [`PacketParams`](crate::scene::PacketParams).
+//! [`Settings`] are the user's choices: they are persisted, and may be left open. [`Settings::resolved`] resolves them
+//! to a [`Style`], which leaves nothing open: packets and renderers know no other. Values derived for a single image
+//! are in [`PacketParams`](crate::scene::PacketParams).
 //!
 //!  Each is described next to its field (`describe.rs`).
 //!
@@ -84,7 +84,7 @@ pub struct Style<C = Coloring> {
     pub photos: PhotoStyle,
     /// Estimation style: how normals are estimated, and whether points are smoothed.
     pub estimation: EstimationStyle,
-    /// Backdrop: what is shown in addition to the cloud.
+    /// Backdrop: the surroundings of the cloud.
     pub backdrop: Backdrop,
     /// Style data that belongs to one sequence.
     pub of_sequence: OfSequence,
@@ -93,7 +93,7 @@ pub struct Style<C = Coloring> {
 /// The style of a packet, whose records have their colours. Renderers know no other.
 pub type DrawSettings = Style<Painted>;
 
-/// Colours that are in the records of a packet, so that nothing is asked of frames any more.
+/// Colours that are in the records of a packet, so that frames are no longer queried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Painted;
 
@@ -141,7 +141,7 @@ impl<C: Copy> Style<C> {
         self
     }
 
-    /// Width and height that are drawn for a picture of `shown_px`; at least 1.
+    /// Width and height drawn for an image of `shown_px`; at least 1.
     pub fn drawn_px(&self, shown_px: [u32; 2]) -> [u32; 2] {
         shown_px.map(|edge| ((edge as f32 * self.drawing.resolution).round() as u32).max(1))
     }
@@ -178,14 +178,14 @@ impl<C: Copy> Style<C> {
     }
 
     /// Returns true if surfels are drawn whole, round and one for each point: then normals and radii can be in screen
-    /// space. Ellipses and levels of detail are built from those of neighbours, and posed images see what is hidden.
+    /// space. Ellipses and levels of detail are built from the neighbours', and posed images see hidden surfaces.
     pub fn draws_whole_surfels(&self) -> bool {
         matches!(self.primitive, Primitive::Surfel | Primitive::Sprite)
             && self.levels_kind().is_none()
             && !self.draws_photos()
     }
 
-    /// Returns true if surfels are drawn of what the image shows, with screen-space normals and radii.
+    /// Returns true if surfels are drawn from the visible points, with screen-space normals and radii.
     pub fn has_screen_normals(&self) -> bool {
         let is_chosen = self.surfels.normals == NormalSource::Screen || self.shows_normal_errors();
         is_chosen && self.draws_whole_surfels()
@@ -299,7 +299,7 @@ impl<C: Copy> Style<C> {
         self.has_adaptive_points() || self.lights_points()
     }
 
-    /// Returns true if a depth pass is drawn first, and then what lies at the depths is blended by its masks.
+    /// Returns true if a depth pass is drawn first, and then splats at the depths are blended by their masks.
     pub fn blends_at_depths(&self) -> bool {
         if self.primitive == Primitive::Point {
             self.points.shape == PointShape::Gaussian
@@ -322,19 +322,19 @@ impl<C: Copy> Style<C> {
         }
     }
 
-    /// Returns true if what is drawn writes depths, by which images can be shaded.
+    /// Returns true if the content writes depths, by which images can be shaded.
     pub fn leaves_depths(&self) -> bool {
         !self.draws_surfels() || self.surfels.splatting.has_depths()
     }
 
-    /// Returns true if light falls on the blended surface, which has a position.
+    /// Returns true if the blended surface, which has a position, is lit.
     pub fn is_shaded_with_distances(&self) -> bool {
         let shows_depths = self.draws_surfels() && self.surfels.splatting == Splatting::Visibility;
         self.is_lit_deferred() && self.leaves_depths() && !shows_depths
     }
 
-    /// Returns true if light falls on the blended surface and there are depths that describe its surroundings: points
-    /// are steps of the surface.
+    /// Returns true if the blended surface is lit and there are depths that describe its surroundings: points are steps
+    /// of the surface.
     pub fn is_shaded_with_depths(&self) -> bool {
         self.is_shaded_with_distances() && self.primitive != Primitive::Point
     }
@@ -357,8 +357,8 @@ impl<C: Copy> Style<C> {
             && self.light.lighting != Lighting::Unlit
     }
 
-    /// Returns the stop criterion of the octree: surfels and points that it is drawn as have no use for leaves as large
-    /// as the spacing.
+    /// Returns the stop criterion of the octree: surfels and points drawn from it have no use for leaves as large as
+    /// the spacing.
     pub fn octree_stop(&self) -> StopCriterion {
         match self.primitive {
             Primitive::Surfel | Primitive::Ellipse | Primitive::Sprite | Primitive::Point => {

@@ -36,7 +36,7 @@ choices! {
 }
 
 choices! {
-    /// Relighting mode of what the posed images show.
+    /// Relighting mode of the surfaces in the posed images.
     PhotoRelight, "way of relighting" {
         Off = "off", "Off", "Uses the normals of points; without lighting, images keep the light they were taken \
             in";
@@ -168,7 +168,7 @@ group! {
                 ..Numbers::USUAL
             }),
         }
-        /// Relighting of what the posed images show, and the normals used for it.
+        /// Relighting of the surfaces in the posed images, and the normals used for it.
         relight: PhotoRelight = PhotoRelight::Off, "photo_relight" RELIGHT {
             flag: "relight",
             value_name: "WHAT",

@@ -17,7 +17,7 @@ choices! {
 }
 
 choices! {
-    /// Point lighting mode: what the light falls on.
+    /// Point lighting mode: the lit geometry.
     PointLight, "light of points" {
         None = "none", "None", "No light: the colours of the file";
         /// Normals of the file, or estimated ones.
@@ -31,7 +31,7 @@ choices! {
         Pixels = "pixels", "Fixed", "The same size in pixels at any distance";
         /// *Attenuated* in other viewers.
         Projected = "projected", "Attenuated", "As wide in the scene as points are apart: smaller from afar";
-        /// The radius of a point is that of its surfel, or of the node of a level of detail that it stands for.
+        /// The radius of a point is its surfel's, or that of the node of a level of detail that it stands for.
         Adaptive = "adaptive", "Adaptive", "As wide in the scene as each point is from those around it";
     }
 }
@@ -106,7 +106,7 @@ group! {
             also: &["round points", "circles", "square points", "point style"],
             values: Values::Words(PointShape::WORDS),
         }
-        /// Point lighting mode: what the light falls on.
+        /// Point lighting mode: the lit geometry.
         light: PointLight = PointLight::None, "point_light" LIGHT {
             flag: "point-light",
             value_name: "WHAT",

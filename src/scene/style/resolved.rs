@@ -8,8 +8,8 @@ use crate::sequence::ColorSource;
 
 impl Settings {
     /// Returns these settings with the render mode of `way`: the colours, estimation, the background and the grid stay,
-    /// as do the clip region and back-face culling. Eye-dome lighting is that of `way` where that decides, which render
-    /// modes that are measured do not.
+    /// as do the clip region and back-face culling. Eye-dome lighting is taken from `way` if it specifies it, which
+    /// benchmarked render modes do not.
     #[must_use]
     pub fn drawn_as(&self, way: &Self) -> Self {
         let decides = !way.light.eye_dome.is_open();
@@ -32,7 +32,7 @@ impl Settings {
         }
     }
 
-    /// Resolves these settings to a style for what was looked at: every choice left open takes its guessed value.
+    /// Resolves these settings to a style for the examined sequence: every choice left open takes its guessed value.
     pub fn resolved(&self, look: &FirstLook) -> Style {
         let primitive = match self.primitive.chosen() {
             None => look.primitive,
@@ -71,7 +71,7 @@ impl Settings {
     }
 
     /// Returns true if surfaces have colours with baked-in lighting, drawn as `primitive` is. Voxels would have no
-    /// edges without light, and whoever requests light on points or relighting of posed images wants it.
+    /// edges without light, and light on points or relighting of posed images is only set if wanted.
     fn shows_light_of(&self, look: &FirstLook, primitive: Primitive) -> bool {
         let is_surface = !matches!(primitive, Primitive::Voxel | Primitive::Point);
         let is_relit = look.has_photos() && self.photos.relight != PhotoRelight::Off;
@@ -90,8 +90,8 @@ fn usual_back_faces(look: &FirstLook) -> BackFaces {
     }
 }
 
-/// Returns the default eye-dome lighting: on where points have no other light. For points that sample no surface,
-/// normals are noise.
+/// Returns the default eye-dome lighting: on if points have no other light. For points that sample no surface, normals
+/// are noise.
 fn usual_eye_dome(style: &Style, look: &FirstLook) -> EyeDome {
     let shows_shape = match style.primitive {
         Primitive::Mesh => true,

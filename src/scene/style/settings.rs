@@ -8,10 +8,10 @@ use super::{
 use crate::scene::Clip;
 use crate::sequence::Coloring;
 
-/// All choices about a picture but where the camera stands.
+/// All choices about an image except the camera.
 ///
-/// They are kept in files of people, which outlive versions: what a file does not have is as by default, and what is
-/// not known here is passed over. Files know no groups.
+/// They are stored in users' files, which outlive versions: missing values get the default, and unknown ones are
+/// skipped. Files know no groups.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default)]
 pub struct Settings {
@@ -46,7 +46,7 @@ pub struct Settings {
     /// Estimation settings.
     #[serde(flatten)]
     pub estimation: EstimationStyle,
-    /// Backdrop: what is shown in addition to the cloud.
+    /// Backdrop: the surroundings of the cloud.
     #[serde(flatten)]
     pub backdrop: Backdrop,
     /// Clip region: the part of the cloud that is drawn; all if `None`. It belongs to one sequence, and is stored with
@@ -99,8 +99,8 @@ impl Settings {
         self
     }
 
-    /// Shows each setting with its description to `edit`, and takes what that makes of it. The order is that of options
-    /// in a help, and of rows in a section of the panel.
+    /// Shows each setting with its description to `edit`, and takes the edited value. The order is that of options in
+    /// the help, and of rows in a section of the panel.
     pub fn edit(&mut self, edit: &mut dyn FnMut(&'static Described, Value) -> Value) {
         self.primitive.edit(&Self::PRIMITIVE, edit);
         self.surfels.edit(edit);

@@ -16,7 +16,7 @@ impl Settings {
         self.change_each(shorthand, |given, _| given);
     }
 
-    /// Takes the usual values of the other settings than that of the word, if it has all of those that it is short for.
+    /// Resets the settings other than the word's own to their defaults, if it has all values that it is short for.
     pub fn take_back(&mut self, shorthand: &Shorthand) {
         if self.has_all_of(shorthand) {
             let own = shorthand.given.first().map(|(key, _)| *key);

@@ -6,7 +6,8 @@ use super::describe::{Label, Numbers, Place, Section, Unit, Values, group};
 use super::light::OnOff;
 
 choices! {
-    /// The six ways of splatting of the 4D media paper, Fig. 3, the one that it calls the proper solution, and hard disks.
+    /// The six splatting variants of the 4D media paper, Fig. 3, the one that it calls the proper solution, and hard
+    /// disks.
     Splatting, "splatting mode" {
         /// (a) Square artefacts where splats cut each other.
         Regular = "regular", "Regular", "One pass, depth test and blending";
@@ -78,16 +79,16 @@ choices! {
 }
 
 impl SplatFilter {
-    /// Radius of the splat that a point becomes: nearest to the mean of a pixel's square, of radii at which each splat
-    /// covers the centre of a pixel (`tests/pictures/ewa.rs`). The variance of its Gaussian, a sixth of the square, is
-    /// 1/8; that of a pixel's square is 1/12.
-    // The FLIP of distant checkerboards is a sixth to a half of that of disks; a radius of 1 was twice as far from the
-    // ground truth. The price: an isolated splat is up to a third brighter or darker, depending on its position in a
-    // pixel.
+    /// Radius of the splat of a point: nearest to the mean of a pixel's square, among radii at which each splat covers
+    /// the centre of a pixel (`tests/pictures/ewa.rs`). The variance of its Gaussian, a sixth of the square, is 1/8;
+    /// the variance of a pixel's square is 1/12.
+    // The FLIP of distant checkerboards is a sixth to a half of the disks' FLIP; a radius of 1 was twice as far from
+    // the ground truth. The price: an isolated splat is up to a third brighter or darker, depending on its position in
+    // a pixel.
     pub const RADIUS_PX: f32 = 0.87;
 
     /// Radius of the least splat of [`SplatFilter::Clamp`], which covers the centre of a pixel wherever it is: its
-    /// variance is a half, as others have it, so that exp(−r²) is at its edge what masks are there.
+    /// variance is a half, as elsewhere, so that exp(−r²) at its edge equals the masks.
     pub const CLAMP_RADIUS_PX: f32 = 1.732_050_8;
 
     /// Radius of the splat that a point becomes.
@@ -99,8 +100,8 @@ impl SplatFilter {
         }
     }
 
-    /// Splats that are seen at a smaller cosine between normal and view are filtered almost as with this one: on their
-    /// planes, pixels reach too far into the picture.
+    /// Splats seen at a smaller cosine between normal and view are filtered almost as with this one: on their planes,
+    /// pixels reach too far into the scene.
     pub const MIN_COSINE: f32 = 0.1;
 }
 
@@ -231,7 +232,7 @@ group! {
             also: &["falloff", "gaussian", "weights"],
             values: Values::Words(Kernel::WORDS),
         }
-        /// Edge blending: what lies behind the splat edges shines through these, and not the background
+        /// Edge blending: the surface behind the splat edges shines through these, and not the background
         /// ([`rim_px`](crate::scene::rim_px)).
         rims: OnOff = OnOff::On, "rims" RIMS {
             flag: "soft-edges",

@@ -4,7 +4,7 @@ use super::choices::choices;
 use super::describe::{Label, Place, Section, Values, group};
 
 choices! {
-    /// Voxel lighting mode: what the light falls on.
+    /// Voxel lighting mode: the lit geometry.
     VoxelLight, "light of voxels" {
         /// From either side; the faces of cubes where normals are not known yet.
         Normals = "normals", "Normals", "The surface in a voxel: the mean normal of its points";
@@ -16,7 +16,7 @@ choices! {
 group! {
     /// Voxel settings.
     VoxelStyle {
-        /// Voxel lighting mode: what the light falls on.
+        /// Voxel lighting mode: the lit geometry.
         light: VoxelLight = VoxelLight::Normals, "voxel_light" LIGHT {
             flag: "voxel-light",
             value_name: "WHAT",

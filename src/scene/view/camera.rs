@@ -1,4 +1,4 @@
-//! The camera: an orbit in f64 around a target, and what it looks like to a shader.
+//! The camera: an orbit in f64 around a target, and its form for shaders.
 //!
 //! Shaders must not see large coordinates: a frame's positions are f32 relative to the sequence origin, and the eye is
 //! handed over as a sum of two f32, so that `(position - eye_high) - eye_low` loses nothing a pixel could show.
@@ -20,7 +20,7 @@ choices! {
     }
 }
 
-/// The direction that is up in the picture.
+/// The direction that is up in the image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum UpAxis {
     /// +X.
@@ -88,7 +88,7 @@ impl UpAxis {
         (seen.x.atan2(seen.z).to_degrees(), elevation.to_degrees())
     }
 
-    /// Into axes whose second is up, and whose third points to whoever looks from the front.
+    /// Into axes whose second is up, and whose third points to a viewer in front.
     pub(in crate::scene) fn environment_from_frame(self) -> Mat3 {
         self.basis().transpose().as_mat3()
     }
@@ -151,10 +151,10 @@ impl ViewPreset {
 
 /// A camera on an orbit. World space is right-handed.
 ///
-/// An orthographic camera shows what a perspective one with the same target, distance and field of view shows of the
-/// plane through the target, and everything else as large. It is drawn as seen through a telephoto lens of a tenth of a
+/// An orthographic camera shows the plane through the target like a perspective one with the same target, distance and
+/// field of view, and everything else at the same scale. It is drawn as seen through a telephoto lens of a tenth of a
 /// degree from as far away as that takes, so that renderers, traversals and truths know of one projection only: within
-/// the sphere that fills the picture points are less than half a pixel from where parallel rays would put them
+/// the sphere that fills the image, points are less than half a pixel from their position by parallel rays
 /// (`tests/pictures/orthographic.rs`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
@@ -170,7 +170,7 @@ pub struct Camera {
     pub fov_deg: f64,
     /// Up axis.
     pub up: UpAxis,
-    /// Projection: determines if what is farther away is smaller.
+    /// Projection: determines if distant objects are smaller.
     pub projection: Projection,
     /// Picture plane: position of the image on the view axis.
     // A part of every camera: a separate type for sensors would have to be distinguished wherever a camera moves, is
@@ -182,7 +182,7 @@ pub struct Camera {
 const DEFAULT_FOV_DEG: f64 = 45.0;
 
 /// Cotangent of half the field of view through which an orthographic camera is drawn: of 0.05 degrees. A narrower one
-/// leaves fewer bits of f32 for what is in the picture.
+/// leaves fewer bits of f32 for the content of the image.
 // So passes, traversals and the ground truth need only one projection. In a sphere that fills 1280×720, points are less
 // than half a pixel off: a quarter from the lens, the rest from f32; depth resolves a thousandth of its radius.
 pub(in crate::scene) const TELEPHOTO_FOCAL: f64 = 1_145.915_299_281_798;
@@ -224,12 +224,12 @@ impl Camera {
         self.distance = radius / (FRAMED_FRACTION * radius_at_1);
     }
 
-    /// Moves to where `points` (relative to `origin`) just fit into a picture whose width is `aspect` of its height,
+    /// Moves so that `points` (relative to `origin`) just fit into an image whose width is `aspect` of its height,
     /// keeping the direction. Precondition: finite points and a positive aspect.
     ///
-    /// How it works: each side of the picture is a plane through the eye, and all points are to be on its inner side.
-    /// What is left and right tells how far away the eye is at least, and where it is across the view; so does what is
-    /// above and below.
+    /// How it works: each side of the image is a plane through the eye, and all points are to be on its inner side. The
+    /// left and right sides determine the minimum distance of the eye and its position across the view; so do the upper
+    /// and lower ones.
     pub fn frame_points(&mut self, points: &[Vec3], origin: DVec3, aspect: f64) {
         let bounds = Aabb::from_points(points);
         if bounds.is_empty() || bounds.radius() == 0.0 {
@@ -297,7 +297,7 @@ impl Camera {
         self.elevation_deg = (self.elevation_deg + elevation_deg).clamp(-90.0, 90.0);
     }
 
-    /// Shifts eye and target by pixels of a picture `height_px` high, so that the target follows the pointer.
+    /// Shifts eye and target by pixels of an image `height_px` high, so that the target follows the pointer.
     pub fn pan_px(&mut self, dx_px: f64, dy_px: f64, height_px: f64) {
         let units_per_px = 2.0 * self.distance * (0.5 * self.fov_deg).to_radians().tan() / height_px.max(1.0);
         let rotation = self.view_from_world_rotation();
@@ -309,8 +309,8 @@ impl Camera {
         self.distance = (self.distance * factor).clamp(f64::MIN_POSITIVE.sqrt(), f64::MAX.sqrt());
     }
 
-    /// Performs a [`Camera::zoom`] toward what is seen the given number of pixels right of and below the centre of an
-    /// image `height_px` high: at the depth of the target it stays there.
+    /// Performs a [`Camera::zoom`] toward the surface seen the given number of pixels right of and below the centre of
+    /// an image `height_px` high: at the depth of the target it stays there.
     pub fn zoom_toward(&mut self, factor: f64, right_px: f64, down_px: f64, height_px: f64) {
         let before = self.distance;
         self.zoom(factor);
@@ -345,8 +345,8 @@ impl Camera {
             },
             Projection::Orthographic => Lens {
                 focal: TELEPHOTO_FOCAL,
-                // The camera itself stays that of the perspective view at the same scale, so switching between
-                // projections loses nothing.
+                // The camera itself stays the perspective one at the same scale, so switching between projections loses
+                // nothing.
                 distance: self.distance * TELEPHOTO_FOCAL / focal,
             },
         }
@@ -432,8 +432,8 @@ impl ViewTransform {
         )
     }
 
-    /// This view of a picture of `whole_px`, but of the part of `part_px` whose upper left pixel is `start_px` alone:
-    /// the same rays through the same pixels. Precondition: it is the view of a whole picture.
+    /// This view of an image of `whole_px`, restricted to the part of `part_px` whose upper left pixel is `start_px`:
+    /// the same rays through the same pixels. Precondition: it is the view of a whole image.
     #[must_use]
     pub fn of_part(&self, whole_px: [u32; 2], start_px: [u32; 2], part_px: [u32; 2]) -> Self {
         let [whole, start, part] = [whole_px, start_px, part_px].map(|px| px.map(f64::from));

@@ -1,7 +1,7 @@
 //! The grid on the ground: which plane, how wide its cells are, and where a pixel's ray meets it.
 //!
 //! **How it works.** The plane lies at the lower side of a box around the cloud. Its cells are a power of ten wide, so
-//! that 5 to 50 of them lie under the cloud; lines ten times finer and ten times coarser appear where they have room.
+//! that 5 to 50 of them lie under the cloud; lines ten times finer and ten times coarser appear where there is space.
 //! Lines are at whole multiples of the spacing in the coordinates of the file. Renderers intersect the ray of each
 //! pixel with the plane; how many pixels away the nearest line is follows from the derivative, which is known in closed
 //! form, so that both draw the same lines (`shaders/effects/grid.wgsl`, `render/effects/grid`).
@@ -24,7 +24,7 @@ const ON_LIGHT: [f32; 3] = [0.22, 0.25, 0.30];
 /// A plane with lines.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GroundPlane {
-    /// Grid crossing of two lines, near the centre of what stands on the plane, relative to the sequence origin.
+    /// Grid crossing of two lines, near the centre of the cloud on the plane, relative to the sequence origin.
     pub point_in_frame: Vec3,
     /// The axis that is up.
     pub normal: Vec3,
@@ -32,7 +32,7 @@ pub struct GroundPlane {
     pub spacing: f32,
     /// Grid extent: how far from the point lines are seen, scene units.
     pub reach: f32,
-    /// Red, green and blue of the lines, 0 to 1. It is chosen with the packet, not when it is drawn: a picture with
+    /// Red, green and blue of the lines, 0 to 1. It is chosen with the packet, not when it is drawn: an image with
     /// alpha is drawn on black and on white, and its lines must be the same on both.
     pub color: [f32; 3],
 }
@@ -77,7 +77,7 @@ impl GroundPlane {
     }
 }
 
-/// The largest power of ten with at least [`MIN_CELLS`] cells in a width; 1 where it is no width.
+/// The largest power of ten with at least [`MIN_CELLS`] cells in a width; 1 for an invalid width.
 fn spacing_under(width: f64) -> f64 {
     let exponent = (width / MIN_CELLS).log10();
     // Numbers that are a power of ten except for rounding errors count as that power.

@@ -1,4 +1,4 @@
-//! The near plane of an image, by what is drawn.
+//! The near plane of an image, by its content.
 //!
 //! **How it works.** Depth is `near / distance` in floating point, so it resolves the same fraction of a distance
 //! whatever the near plane is. The near plane is therefore chosen by the box around the content: it lies between the
@@ -7,7 +7,7 @@
 //! ([`NEAR_FRACTION`](super::camera::NEAR_FRACTION)): most images are drawn with that one.
 //!
 //! Orthographic views keep the plane of their telephoto lens. Its eye is a thousand times as far away as the target
-//! appears, and what is next to it would be enlarged as parallel rays enlarge nothing.
+//! appears, and objects next to it would be enlarged, unlike with parallel rays.
 
 use super::camera::ViewTransform;
 use crate::math::Aabb;
@@ -30,7 +30,7 @@ impl ViewTransform {
             return self;
         }
         let [nearest, farthest] = self.depths_of(content);
-        // Of what is behind the eye nothing is drawn.
+        // Nothing behind the eye is drawn.
         if farthest <= 0.0 {
             return self;
         }

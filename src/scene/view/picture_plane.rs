@@ -5,7 +5,7 @@ use glam::{DMat3, DVec2};
 /// Picture plane: position of a camera's image on its view axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PicturePlane {
-    /// Turn of the camera about its view axis, degrees; grows as the picture turns clockwise.
+    /// Turn of the camera about its view axis, degrees; grows as the image turns clockwise.
     pub roll_deg: f64,
     /// Principal point offset: where the view axis meets the image, from its centre to the right and upwards, in image
     /// heights.
@@ -32,12 +32,12 @@ impl PicturePlane {
         }
     }
 
-    /// Columns right, up, back of the picture in the axes of the upright one.
+    /// Columns right, up, back of the image in the axes of the upright one.
     pub(in crate::scene) fn rotation(&self) -> DMat3 {
         DMat3::from_rotation_z(self.roll_deg.to_radians())
     }
 
-    /// [`crate::scene::ViewTransform::center_ndc`] of a picture of this size.
+    /// [`crate::scene::ViewTransform::center_ndc`] of an image of this size.
     pub(in crate::scene) fn center_ndc(&self, [width, height]: [f64; 2]) -> DVec2 {
         2.0 * self.shift * DVec2::new(height / width, 1.0)
     }

@@ -1,7 +1,8 @@
 //! The view of a sensor: a pinhole is a field of view from top to bottom, and a [`PicturePlane`].
 //!
 //! So it is a [`Camera`] as others are: it can be turned, moved, written as text, and be a keyframe of a path. A
-//! picture of the size of the sensor's image has its pixels; a wider one shows more at both sides, a narrower one less.
+//! rendered image of the size of the sensor's has its pixels; a wider one shows more at both sides, a narrower one
+//! less.
 
 use crate::rgbd;
 use crate::scene::{Camera, PicturePlane, Projection, UpAxis};
@@ -9,8 +10,7 @@ use glam::{DAffine3, DVec2, DVec3};
 
 impl Camera {
     /// Creates the view of a pinhole camera at `world_from_camera` (x right, y down, z forward), whose lens distortion
-    /// is ignored: points are where an image without distortion has them. `distance` is that of the target, which lies
-    /// on its axis.
+    /// is ignored: points are at their undistorted positions. `distance` is the target's, which lies on its axis.
     ///
     /// Precondition: `world_from_camera` is a rotation and a translation, `distance` above 0.
     pub fn of_pinhole(pinhole: &rgbd::Camera, world_from_camera: DAffine3, distance: f64, up: UpAxis) -> Self {
@@ -49,7 +49,7 @@ impl Camera {
     }
 
     /// Pixels to the right and upwards for a slope of 1, and the place of the view axis from the lower left corner, in
-    /// a picture of this size.
+    /// an image of this size.
     pub(crate) fn px_per_slope(&self, viewport_px: [u32; 2]) -> (DVec2, DVec2) {
         let size = DVec2::from_array(viewport_px.map(f64::from));
         let upwards = 0.5 * size.y * self.lens().focal;
@@ -58,8 +58,8 @@ impl Camera {
     }
 }
 
-/// Returns the distance of a target on the axis of a sensor at `world_from_camera`, so that the view orbits about what
-/// it sees: as deep as `center`, the centre of that; otherwise `radius`, how large it is.
+/// Returns the distance of a target on the axis of a sensor at `world_from_camera`, so that the view orbits about the
+/// scene: the depth of `center`, its centre; otherwise `radius`, its size.
 pub fn sensor_target_distance(world_from_camera: &DAffine3, center: DVec3, radius: f64) -> f64 {
     let depth = (center - world_from_camera.translation).dot(world_from_camera.matrix3.z_axis);
     let min = f64::MIN_POSITIVE.sqrt();
@@ -79,7 +79,7 @@ mod tests {
         rgbd::Camera::new([640, 480], focal, principal, Distortion::None).unwrap()
     }
 
-    /// Where the shaders put a place of the world in a picture of `size`, in pixels whose centres are at integers.
+    /// Position of a place of the world in the shaders' image of `size`, in pixels whose centres are at integers.
     fn shaded_px(camera: &Camera, place: DVec3, size: [u32; 2]) -> DVec2 {
         let view = camera.transform(DVec3::ZERO, size);
         let clip = view.clip_from_view() * view.to_view(place.as_vec3()).extend(1.0);

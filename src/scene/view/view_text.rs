@@ -8,13 +8,13 @@ use std::str::FromStr;
 /// Prefix of the line, its version included.
 const HEAD: &str = "pointreel view 1:";
 
-/// Fields of view that a text may ask for, degrees.
+/// Fields of view allowed in a text, degrees.
 const FOV_RANGE_DEG: std::ops::RangeInclusive<f64> = 1.0..=170.0;
 
-/// Distances that a text may ask for, scene units: those that f32 near planes can show.
+/// Distances allowed in a text, scene units: those that f32 near planes can show.
 const DISTANCE_RANGE: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
 
-/// Why a text is no view.
+/// Reasons why a text is not a view.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ParseViewError {
@@ -38,10 +38,10 @@ pub enum ParseViewError {
         /// Text found instead.
         found: String,
     },
-    /// A number that is none, or not one of these.
+    /// An invalid number, or not one of these.
     #[error("`{}` is not a valid {what} of a view: expected {expected}", clipped(.found))]
     Number {
-        /// Whose number it is.
+        /// The name of the number.
         what: &'static str,
         /// Text found instead.
         found: String,
@@ -153,7 +153,7 @@ impl FromStr for Camera {
     }
 }
 
-/// A number of a text, and what it has to be.
+/// A number of a text, and its requirement.
 #[derive(Clone, Copy)]
 struct Asked {
     what: &'static str,
@@ -185,7 +185,7 @@ impl<'a> TextTokens<'a> {
         })
     }
 
-    /// The next number, which is what `is_valid` says.
+    /// The next number, checked by `is_valid`.
     fn number(&mut self, asked: Asked, is_valid: impl Fn(&f64) -> bool) -> Result<f64, ParseViewError> {
         let Asked { what, expected } = asked;
         let found = self.next(what)?;

@@ -1,4 +1,4 @@
-//! Points that a picture shows, surfels made of them, the point under a pixel.
+//! Visible points of an image, surfels made of them, the point under a pixel.
 
 pub(super) mod pick;
 pub(super) mod point_size;

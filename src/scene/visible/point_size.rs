@@ -20,10 +20,10 @@ fn min_px(shape: PointShape) -> f32 {
     }
 }
 
-/// The edges of the points of a packet: the sum of two lengths in the scene, or so many pixels where that is less.
+/// The edges of the points of a packet: the sum of two lengths in the scene, or this many pixels if that is less.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointSize {
-    /// At least so many pixels.
+    /// Minimum edge in pixels.
     pub min_px: f32,
     /// Edge length of every point, scene units.
     pub edge: f32,

@@ -1,9 +1,10 @@
-//! Screen-space surfels of what an image shows, with normals and radii from the image ([`crate::analysis::screen`]).
+//! Screen-space surfels of the visible points of an image, with normals and radii from the image
+//! ([`crate::analysis::screen`]).
 //!
-//! **How it works.** They are created where packets are: a packet has records of visible points as it has those of a
-//! cut of levels of detail, and renderers, picking and exports need to know no more. A GPU creates them itself and
-//! gets all points once ([`Content::Visible`]); then a view costs it no upload, and the CPU nothing. As long as view,
-//! points and what they are drawn for stay, the records are the same allocations.
+//! **How it works.** They are created where packets are: a packet has records of visible points like those of a cut of
+//! levels of detail, and renderers, picking and exports need no more. A GPU creates them itself and gets all points
+//! once ([`Content::Visible`]); then a view costs it no upload, and the CPU nothing. As long as view, points and
+//! purpose stay, the records are the same allocations.
 //!
 //! Images of more than 2²³ pixels are processed in coarser steps.
 
@@ -93,7 +94,7 @@ impl ScreenSurfels {
         }
     }
 
-    /// Another picture was made, without them.
+    /// Another image was made, without them.
     pub(in crate::scene) fn forget(&mut self) {
         self.last = None;
     }

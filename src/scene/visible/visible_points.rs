@@ -1,10 +1,10 @@
 //! Visible points of a cloud in an image, as surfels with normals from the image ([`crate::analysis::screen`]): created
 //! here, or by a GPU that has the points.
 //!
-//! **How it works.** [`VisiblePoints`] states what these surfels follow from: points, view and spacing. A GPU needs no
-//! more (`render/gpu/visible`). Where points are those of a depth image in the colours of its camera, it has the images
-//! instead and creates points from them (`render/gpu/depth_images`). Whoever needs the records themselves requests
-//! them, as picking does, and gets them from the CPU; once they are created, they stay.
+//! **How it works.** [`VisiblePoints`] holds the inputs of these surfels: points, view and spacing. A GPU needs no more
+//! (`render/gpu/visible`). If points come from a depth image in the colours of its camera, it has the images instead
+//! and creates points from them (`render/gpu/depth_images`). Code that needs the records themselves, such as picking,
+//! requests them from the CPU; once they are created, they stay.
 
 use crate::analysis::NormalErrors;
 use crate::analysis::screen::{ScreenCloud, ScreenEstimator, ScreenView, Search};
@@ -21,9 +21,9 @@ use std::time::Instant;
 pub struct ScreenStats {
     /// Points that might have been seen.
     pub points: usize,
-    /// Those that were.
+    /// Visible points.
     pub visible: usize,
-    /// Milliseconds of telling them apart, if they were measured: on a card, by its own clock.
+    /// Milliseconds of the visibility test, if measured: on a GPU, by its own clock.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cull_ms: Option<f64>,
     /// Milliseconds of normals and radii, in the same way.
@@ -41,11 +41,11 @@ pub struct PointImages {
     pub frame: Arc<DepthFrame>,
     /// Origin that points are relative to, in the frame of the camera.
     pub origin: Vec3,
-    /// The colour of all of them, if it is not that of the image of colours.
+    /// The colour of all of them, if it does not come from the colour image.
     pub one_color: Option<[u8; 4]>,
 }
 
-/// Points of which those that a picture shows are drawn.
+/// Points, of which the visible ones are drawn.
 #[derive(Debug)]
 pub struct VisiblePoints {
     /// All of them.
@@ -91,7 +91,7 @@ impl VisiblePoints {
         }
     }
 
-    /// Their records, which the processor makes when they are asked for first.
+    /// Their records, made by the CPU on first request.
     pub fn surfels(&self) -> &VisibleSurfels {
         self.made.get_or_init(|| {
             let mut estimator = lock(&self.estimator);

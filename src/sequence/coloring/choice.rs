@@ -4,7 +4,8 @@ use super::range::ColorRange;
 use super::source::ColorSource;
 use crate::analysis::ColorMap;
 
-/// The usual colour of every point under [`ColorSource::Uniform`]: a light grey that shows shading both ways.
+/// The default colour of every point under [`ColorSource::Uniform`]: a light grey that shows shading in both
+/// directions.
 pub const UNIFORM_COLOR: [u8; 4] = [200, 200, 200, 255];
 
 /// Uniform colour without alpha.
@@ -13,7 +14,7 @@ pub(in crate::sequence) const UNIFORM_RGB: [u8; 3] = [200, 200, 200];
 /// Colouring of points. A missing colour source is replaced as [`ColorSource::Auto`] would.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coloring {
-    /// Colour source: what the colours show.
+    /// Colour source: the attribute that the colours show.
     pub source: ColorSource,
     /// Colour map from numbers to colours.
     pub map: ColorMap,

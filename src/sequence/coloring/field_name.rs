@@ -2,10 +2,10 @@
 
 use std::fmt;
 
-/// Bytes that a name may have: those of LAS have 32 at most, the longest that are common about as many.
+/// Bytes that a name may have: LAS has 32 at most, the longest common names about as many.
 const MAX_BYTES: usize = 63;
 
-/// The beginning of a field's name: 63 bytes at most, which tell the fields of a file apart. It holds its text, so
+/// The beginning of a field's name: 63 bytes at most, which distinguish the fields of a file. It holds its text, so
 /// files with many or long names leave nothing behind.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct FieldName {
@@ -14,7 +14,7 @@ pub struct FieldName {
 }
 
 impl FieldName {
-    /// The name, or as much of it as there is room for.
+    /// The name, or as much of it as fits.
     pub fn new(name: &str) -> Self {
         let len = name.floor_char_boundary(MAX_BYTES);
         let mut bytes = [0; MAX_BYTES];
@@ -28,15 +28,14 @@ impl FieldName {
         std::str::from_utf8(&self.bytes[..usize::from(self.len)]).unwrap_or_default()
     }
 
-    /// Returns true if a field of this name is meant. Case does not matter, nor what `CloudCompare` writes before its
-    /// names.
+    /// Returns true if a field of this name is meant. Case does not matter, nor the prefix that `CloudCompare` writes.
     pub fn names(&self, field: &str) -> bool {
         let field = Self::new(field);
         plain(self.as_str()).eq_ignore_ascii_case(plain(field.as_str()))
     }
 }
 
-/// `name` without what `CloudCompare` writes before it.
+/// `name` without the prefix that `CloudCompare` writes.
 pub fn plain(name: &str) -> &str {
     match name.split_at_checked("scalar_".len()) {
         Some((before, after)) if before.eq_ignore_ascii_case("scalar_") && !after.is_empty() => after,

@@ -1,6 +1,6 @@
-//! Why a text says nothing of colours.
+//! Error of a text that is not a colour source.
 
-/// A text that is no way to colour.
+/// A text that is not a colour source.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{text}` is not a {what}: expected {expected}")]
 pub struct ParseColoringError {

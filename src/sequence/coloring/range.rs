@@ -6,10 +6,10 @@ use crate::spelling::is_same_word;
 use std::fmt;
 use std::str::FromStr;
 
-/// The numbers in the first and the last colour; what is beyond has the colour of the nearer end.
+/// The numbers in the first and the last colour; numbers beyond have the colour of the nearer end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ColorRange {
-    /// So many percent of the values are below the first, and below the last. They are counted in the first frame of a
+    /// This percentage of the values is below the first, and below the last. They are counted in the first frame of a
     /// sequence and points of a few others, so that a number has the same colour in all frames.
     Percentiles {
         /// From 0 to 100.

@@ -1,8 +1,8 @@
-//! From what a person chose to what a frame is painted with.
+//! Resolution of the user's choice to the paint of a frame.
 //!
-//! How it works: what is left open (the source, the range, which way is up) is decided by the sample of the sequence's
-//! first frame ([`ValueSample`]), so that it comes out the same for all frames, in any order of asking. Only what a
-//! frame does not have itself is replaced for that frame.
+//! How it works: open choices (the source, the range, which way is up) are decided by the sample of the sequence's
+//! first frame ([`ValueSample`]), so that they are the same for all frames, requested in any order. Only a source that
+//! a frame lacks is replaced for that frame.
 
 use super::{ColorRange, ColorSource, Coloring, DistanceFrom, FieldName, HeightAxis, plain_field_name};
 use crate::analysis::{ColorMap, ColorScale, quantile_range};
@@ -10,19 +10,19 @@ use crate::cloud::{Frame, MAX_SAMPLE, ScalarField, ValueKind, ValueSample, even_
 use glam::Vec3;
 use std::sync::Arc;
 
-/// Names of fields that say how much light came back, the best first.
+/// Names of fields for the intensity of returned light, the best first.
 const INTENSITIES: [&str; 3] = ["intensity", "reflectance", "reflectivity"];
 
-/// Names of fields that say what a point is.
+/// Names of fields that classify points.
 const CLASSES: [&str; 3] = ["classification", "class", "label"];
 
-/// Names of fields that say when a point was measured.
+/// Names of fields for the time of measurement of a point.
 const TIMES: [&str; 5] = ["gps_time", "gpstime", "time", "timestamp", "t"];
 
 /// Colour hints: knowledge of a sequence beyond its first frame, or wishes; guessed from that frame where it is `None`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ColorHints {
-    /// The unit vector that points up in the picture.
+    /// The unit vector that points up in the image.
     pub up: Option<Vec3>,
     /// True if a cloud without colours is better shown by its height than by its normals: terrain, streets.
     pub prefers_height: Option<bool>,
@@ -59,7 +59,7 @@ pub enum PaintValues {
     Height(Vec3),
     /// The distance from here, relative to the origin of the sequence.
     Distance(Vec3),
-    /// The distance to the nearest point of another frame. Whoever measured it has given the colours.
+    /// The distance to the nearest point of another frame. The measuring code has given the colours.
     Change,
 }
 
@@ -139,7 +139,7 @@ impl Coloring {
             }
             ColorSource::Height(axis) => Some(self.height(axis, hints, frame)),
             ColorSource::Distance(from) => {
-                // If the sensor moves, the range is that of the first frame from its own sensor position.
+                // If the sensor moves, the range is the one of the first frame from its own sensor position.
                 let [from, of_range] = match from {
                     DistanceFrom::Sensor => [frame.sensor(), sample.sensor],
                     DistanceFrom::Place(place) => [Some((place - sample.origin).as_vec3()); 2],
@@ -296,8 +296,8 @@ fn varies(sample: &ValueSample, name: &str) -> bool {
     sorted_field(sample, name).is_some_and(|sorted| sorted.first() != sorted.last())
 }
 
-/// Returns true if the field of this name shows what was scanned: its values are spread. Where nearly all are one
-/// number, as the confidence of a range scan is, the others are specks.
+/// Returns true if the field of this name shows the scanned scene: its values are spread. If nearly all are one number,
+/// as the confidence of a range scan is, the others are specks.
 fn is_spread(sample: &ValueSample, name: &str) -> bool {
     const MIN_SPREAD: f32 = 0.02;
     let Some(sorted) = sorted_field(sample, name).filter(|sorted| !sorted.is_empty()) else {
@@ -322,8 +322,8 @@ fn is_skewed(sample: &ValueSample, name: &str) -> bool {
     at(0.5) - at(0.01) < SKEWED * (at(0.99) - at(0.01))
 }
 
-/// Returns the likely up axis of the points: depth cameras look along +Z with Y down, LiDAR sensors stand among what
-/// they see with Z up, surveys are wide and flat along Z, and everything else is taken for a model with Y up.
+/// Returns the likely up axis of the points: depth cameras look along +Z with Y down, LiDAR sensors stand within their
+/// scene with Z up, surveys are wide and flat along Z, and everything else is taken for a model with Y up.
 fn likely_up(sample: &ValueSample) -> Vec3 {
     match sample.sensor {
         Some(_) if is_seen_in_front(sample) => Vec3::NEG_Y,

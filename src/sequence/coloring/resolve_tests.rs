@@ -191,7 +191,7 @@ fn attributes_a_frame_lacks_are_replaced_for_that_frame_only() {
     assert_eq!(paint(ColorSource::Auto), Paint::Normal);
     assert_eq!(paint(ColorSource::File), Paint::Normal);
     assert_eq!(paint(ColorSource::Class), Paint::Normal);
-    // A field that the first frame lacks: the range is that of the frame.
+    // A field that the first frame lacks: the range is the frame's.
     assert_eq!(scale_of(paint(ColorSource::Scalar(None))), [2.0, 198.0]);
 }
 

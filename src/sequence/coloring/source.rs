@@ -1,4 +1,4 @@
-//! Colour source: what colours show.
+//! Colour source: the attribute that colours show.
 
 use super::{FieldName, ParseColoringError};
 use crate::spelling::is_same_word;
@@ -6,7 +6,7 @@ use glam::DVec3;
 use std::fmt;
 use std::str::FromStr;
 
-/// Colour source: what colours show.
+/// Colour source: the attribute that colours show.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum ColorSource {
     /// The file's colours if they differ, else its intensity if that does, else its classes if they do, else the height
@@ -24,7 +24,7 @@ pub enum ColorSource {
     Height(HeightAxis),
     /// Distance of the point from somewhere, through a colour map.
     Distance(DistanceFrom),
-    /// The scalar field that says when a point was measured, through a colour map; without one as
+    /// The scalar field for the time of measurement of a point, through a colour map; without one as
     /// [`ColorSource::Scalar`].
     Time,
     /// The class of the point in its usual colour.
@@ -36,7 +36,7 @@ pub enum ColorSource {
 /// Up axis for [`ColorSource::Height`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 pub enum HeightAxis {
-    /// As for the picture.
+    /// As for the image.
     #[default]
     Auto,
     /// An axis of the file: 0, 1 or 2, and whether it points down.
@@ -46,7 +46,7 @@ pub enum HeightAxis {
 /// From where distances are taken.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum DistanceFrom {
-    /// The sensor, if the file says where it stood, else the origin of the file's coordinates.
+    /// The sensor, if the file has its position, else the origin of the file's coordinates.
     #[default]
     Sensor,
     /// A place in file coordinates.

@@ -107,7 +107,7 @@ mod tests {
             ("uniform", ColorSource::Uniform),
         ] {
             assert_eq!(read(&format!("\"{word}\"")), Some(Coloring::of(source)));
-            // And earlier versions can read what is written.
+            // And earlier versions can read the written form.
             let written = serde_json::to_string(&Coloring::of(source)).unwrap();
             assert_eq!(written, format!("\"{word}\""));
         }

@@ -3,7 +3,7 @@
 /// Weight of the newest measurement in an average.
 const NEWEST: f64 = 0.25;
 
-/// A moving average, and the worst of what is fading from it.
+/// A moving average, and the worst of its fading values.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Average {
     pub(super) mean: Option<f64>,

@@ -1,11 +1,10 @@
 //! Point budget for drawing: the number of points that can be drawn in the time of a frame.
 //!
-//! Part of the time of an image is spent whatever there is to draw, the rest depends on the number of points. That
-//! dependence is learned where their number changes; until then what fits in proportion to them surely fits. So
-//! playback begins with few points, or with what is known from images drawn before, and goes to as many as fit at once.
-//! Where that says that no more fit, more are tried all the same, since the workers, which are busiest at the
-//! beginning, slow drawing as well: after each attempt without success, the next waits four times as long: a few images
-//! are late each time.
+//! Part of the time of an image is fixed, the rest depends on the number of points. That dependence is learned where
+//! their number changes; until then a number that fits in proportion surely fits. So playback begins with few points,
+//! or with the number known from images drawn before, and goes to as many as fit at once. Where that says that no more
+//! fit, more are tried all the same, since the workers, which are busiest at the beginning, slow drawing as well: after
+//! each attempt without success, the next waits four times as long: a few images are late each time.
 
 use super::average::Average;
 use super::points::{MIN_POINTS, power_of_two};
@@ -13,34 +12,34 @@ use super::points::{MIN_POINTS, power_of_two};
 /// Drawing statistics learned from images.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DrawingPace {
-    /// As many points as frames should have; all if there is no number.
+    /// The number of points that frames should have; all if `None`.
     pub(super) max_points: Option<u32>,
     picture_ms: Average,
     /// Approximate number of points in those images.
     of_points: usize,
-    /// Pictures since the number was changed.
+    /// Images since the number was changed.
     pictures: u32,
     /// Number of points in earlier images, and their drawing time, milliseconds.
     before: Option<(usize, f64)>,
     /// Cost of an additional point, milliseconds.
     slope_ms: Option<f64>,
     attempt: Attempt,
-    /// Pictures to wait for before something is tried again.
+    /// Images to wait for before the next attempt.
     patience: u32,
     /// True if images have yielded measurements yet.
     pub(super) is_known: bool,
 }
 
-/// Why the number of points is what it is.
+/// The reason for the number of points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Attempt {
     None,
-    /// Fewer points than these, since their pictures took so many milliseconds.
+    /// Fewer points than these, since their images took this many milliseconds.
     Fewer {
         before: Option<u32>,
         before_ms: f64,
     },
-    /// Twice the points, or as many as should fit.
+    /// Twice the points, or the number that should fit.
     More,
 }
 
@@ -61,16 +60,16 @@ impl Default for DrawingPace {
 }
 
 impl DrawingPace {
-    /// Pictures that are looked at before the number is changed again.
+    /// Images measured before the number is changed again.
     pub(super) const LOOKED_AT: u32 = 6;
-    /// Pictures that tell what is far from the time of a frame.
+    /// Images that suffice to recognise times far from that of a frame.
     pub(super) const LOOKED_AT_IF_CLEAR: u32 = 3;
     const MAX_PATIENCE: u32 = 1 << 11;
-    /// Part of the time of a frame that pictures may take if it is to be held.
+    /// Part of the time of a frame that images may take if it is to be held.
     const PLANNED: f64 = 0.8;
-    /// Part of the time of a frame beyond which pictures do not hold it: some take longer than the mean.
+    /// Part of the time of a frame beyond which images do not hold it: some take longer than the mean.
     const LATE: f64 = 0.9;
-    /// Part of the time of a picture that goes with its points, at least: measured slopes may be anything where little
+    /// Minimum part of the time of an image that grows with its points: measured slopes are unreliable if little
     /// changed.
     const MIN_SLOPE: f64 = 0.25;
 
@@ -95,9 +94,9 @@ impl DrawingPace {
         self.change(self.max_points, Attempt::None);
     }
 
-    /// Takes notice of a picture, and of how long a frame lasts while playing. While frames of before are shown, since
-    /// others are not made yet, or files have fewer points, pictures say nothing of what is tried, unless they are late
-    /// with few points.
+    /// Records an image, and the duration of a frame while playing. While earlier frames are shown, since others are
+    /// not made yet, or files have fewer points, images say nothing about the attempt, unless they are late with few
+    /// points.
     pub(super) fn note(&mut self, points: usize, picture_ms: f64, interval_ms: Option<f64>, points_in_file: usize) {
         if interval_ms.is_some_and(|interval_ms| {
             let wanted = self.wanted_points(points, points_in_file);
@@ -150,7 +149,7 @@ impl DrawingPace {
         }
     }
 
-    /// Pictures take longer than a frame lasts.
+    /// Images take longer than a frame lasts.
     fn draw_fewer(&mut self, mean_ms: f64, before_ms: f64, fitting: u32, is_patient: bool) {
         let attempt = std::mem::replace(&mut self.attempt, Attempt::None);
         match (attempt, self.max_points) {
@@ -171,7 +170,7 @@ impl DrawingPace {
         }
     }
 
-    /// Points of the largest frames as they are wanted; those of the frame that is shown while all are.
+    /// Points of the largest frames as wanted; points of the frame shown if all are wanted.
     fn wanted_points(&self, points: usize, points_in_file: usize) -> usize {
         let max_points = self.max_points.map(|max| max as usize);
         max_points.map_or(points, |max| max.min(points_in_file.max(points)))
@@ -189,7 +188,7 @@ impl DrawingPace {
     }
 
     /// Returns the number of points that fit into the time of a frame, from the current drawing times. Fewer are chosen
-    /// in proportion: what has just become slower need not depend on the points as it did.
+    /// in proportion: a recent slowdown need not depend on the points as before.
     fn fitting_points(&self, mean_ms: f64, interval_ms: f64) -> u32 {
         let of_points = self.of_points as f64;
         let left_ms = Self::PLANNED * interval_ms - mean_ms;

@@ -1,16 +1,16 @@
 //! Level-of-detail control: how detailed frames can be at their playback rate.
 //!
 //! **How it works.** Two things may be too slow for a frame rate. *Preparing* frames: the decoding time and the time
-//! per point after it are averaged over recently prepared frames, as they were measured, with whatever else the machine
-//! did meanwhile; the workers' time between two frames, less decoding, determines how many points there is time for.
+//! per point after it are averaged over recently prepared frames, as they were measured, including other load of the
+//! machine; the workers' time between two frames, less decoding, determines how many points there is time for.
 //! *Drawing* them: while images take longer than a frame lasts, frames of fewer points are wanted, as long as that
 //! helps; now and then twice the points are tried. Playback begins with few points, unless images were drawn before.
 //!
 //! Numbers of points are powers of two, and are raised only when there is time for a third more, so that they do not
 //! waver.
 //!
-//! What is prepared in a hurry is [`Effort::in_time`]; what may be prepared while all that is due soon is there already
-//! is [`Effort::at_best`], which only drawing limits. Nothing here looks at a clock.
+//! Frames prepared in a hurry use [`Effort::in_time`]; frames prepared once all that are due soon are there use
+//! [`Effort::at_best`], which only drawing limits. Nothing here looks at a clock.
 
 mod average;
 mod drawing;
@@ -22,7 +22,7 @@ use drawing::DrawingPace;
 use points::power_of_two;
 use std::time::Duration;
 
-/// Points of the first frames that are played, of which nothing is known.
+/// Points of the first frames that are played, with no measurements yet.
 const FIRST_POINTS: u32 = 1 << 14;
 
 /// Part of the workers' time that is planned with.
@@ -68,7 +68,7 @@ impl Effort {
         }
     }
 
-    /// Says how long a frame lasts while playing, or that nothing is played. True if that changes anything.
+    /// Sets the duration of a frame while playing, or that nothing is played. True if that changes anything.
     pub(super) fn set_interval(&mut self, interval: Option<Duration>) -> bool {
         match interval {
             None => self.made_for = None,
@@ -85,14 +85,14 @@ impl Effort {
         self.interval.is_none()
     }
 
-    /// Other pictures are wanted: what they take has to be measured again.
+    /// Other images are wanted: their time has to be measured again.
     pub(super) fn forget(&mut self) {
         self.rest_ns_per_point = Average::default();
         self.made_for = None;
         self.drawing = self.drawing.forgetful();
     }
 
-    /// Takes notice of a frame that was made.
+    /// Records a frame that was made.
     pub(super) fn note_made(&mut self, made: &MakingCost) {
         self.points_in_file = self.points_in_file.max(made.points_in_file);
         if let Some(decode_ms) = made.decode_ms {
@@ -104,7 +104,7 @@ impl Effort {
         self.plan();
     }
 
-    /// Takes notice of a picture of a frame of so many points.
+    /// Records an image of a frame with this number of points.
     pub(super) fn note_drawn(&mut self, points: usize, picture_ms: f64) {
         let interval_ms = self.interval.map(milliseconds);
         let points_in_file = self.points_in_file;
@@ -183,7 +183,7 @@ mod tests {
         effort
     }
 
-    /// Where the first pictures have taken no time.
+    /// If the first images have taken no time.
     fn played_at(fps: f64) -> Effort {
         let mut effort = opened_at(fps);
         for _ in 0..DrawingPace::LOOKED_AT_IF_CLEAR {
@@ -234,8 +234,7 @@ mod tests {
     #[test]
     fn the_point_count_fills_the_available_time() {
         let mut effort = played_at(25.0);
-        // Two workers have 80 ms between two frames, of which 68 are planned: 8 to decode, 60 for points of 200 ns:
-        // 300,000.
+        // Two workers have 80 ms between two frames, 68 of them planned: 8 to decode, 60 for points of 200 ns: 300,000.
         effort.note_made(&made(8.0, 200.0, MILLION));
         assert_eq!(effort.in_time(), Detail::at_most(1 << 18));
         assert_eq!(effort.at_best(), Detail::Full);
@@ -281,7 +280,7 @@ mod tests {
         assert_eq!(small.in_time(), Detail::Full);
     }
 
-    /// Draws frames of the detail asked for on a machine that takes `ms(points)`.
+    /// Draws frames of the requested detail on a machine that takes `ms(points)`.
     fn drawn(effort: &mut Effort, ms: impl Fn(usize) -> f64) -> Detail {
         effort.note_made(&made(0.1, 0.1, MILLION));
         for _ in 0..200 {

@@ -57,7 +57,7 @@ struct CacheEntry {
     reserved_bytes: Option<usize>,
     /// Size when it was last prepared, and for which of the needs that there were.
     known_bytes: Option<(u64, usize)>,
-    /// For which of the needs that there were somebody has cancelled what it lacks.
+    /// The needs for which its missing parts were cancelled.
     settled: Option<u64>,
     /// Its file changed while a worker is on it.
     is_outdated: bool,
@@ -80,9 +80,9 @@ pub(super) struct Cache {
     in_flight: usize,
     /// Largest size of the frames prepared for the present needs with all their points.
     largest_bytes: Option<usize>,
-    /// The most that a point took in frames prepared for the present needs.
+    /// Maximum bytes per point in frames prepared for the present needs.
     bytes_per_point: Option<f64>,
-    /// The most points that a file had.
+    /// Maximum number of points of a file.
     largest_points: usize,
     /// Counts the needs that there were.
     needs_epoch: u64,
@@ -193,7 +193,7 @@ impl Cache {
         byte_size(entry.full.as_ref()) + entry.reserved_bytes.unwrap_or(0)
     }
 
-    /// Returns the number of bytes that frame `index` is expected to take in `detail` beyond what it holds; `None`
+    /// Returns the number of bytes that frame `index` is expected to take in `detail` beyond its present size; `None`
     /// while no frame was prepared for the present needs.
     pub(super) fn bytes_to_add(&self, index: usize, detail: Detail) -> Option<usize> {
         let entry = &self.entries[index];
@@ -223,7 +223,7 @@ impl Cache {
         self.bytes_per_point.map(|bytes| (bytes, self.largest_points))
     }
 
-    /// The needs have changed: what is known of sizes is known no more.
+    /// The needs have changed: known sizes are no longer valid.
     pub(super) fn forget_sizes(&mut self) {
         self.needs_epoch += 1;
         self.largest_bytes = None;
@@ -272,7 +272,7 @@ impl Cache {
         }
     }
 
-    /// A worker starts on frame `index` and will need `bytes` beyond what the frame holds.
+    /// A worker starts on frame `index` and will need `bytes` beyond the frame's present size.
     pub(super) fn reserve(&mut self, index: usize, bytes: usize) {
         let entry = &mut self.entries[index];
         match entry.reserved_bytes.replace(bytes) {
@@ -282,7 +282,7 @@ impl Cache {
         self.reserved_bytes += bytes;
     }
 
-    /// The worker is done with frame `index`, whatever came of it.
+    /// The worker is done with frame `index`, with any result.
     pub(super) fn release(&mut self, index: usize) {
         if let Some(bytes) = self.entries[index].reserved_bytes.take() {
             self.reserved_bytes -= bytes;
@@ -296,8 +296,8 @@ impl Cache {
         self.largest_bytes = Some(self.largest_bytes.map_or(bytes, |max| max.max(bytes)));
     }
 
-    /// Frame `index` stays as it is until other needs are asked for: somebody has cancelled what it lacks. False if
-    /// nothing is there.
+    /// Frame `index` stays as it is until other needs are requested: its missing parts were cancelled. False if nothing
+    /// is there.
     pub(super) fn settle(&mut self, index: usize) -> bool {
         let entry = &mut self.entries[index];
         let is_there = entry.full.is_some() || entry.coarse.is_some();
@@ -311,8 +311,8 @@ impl Cache {
         entry.is_some_and(|entry| entry.settled == Some(self.needs_epoch))
     }
 
-    /// Inserts a prepared frame into the cache, replacing the previous one of its kind. One that lacks what is
-    /// requested gives no information about sizes.
+    /// Inserts a prepared frame into the cache, replacing the previous one of its kind. One that lacks requested parts
+    /// gives no information about sizes.
     pub(super) fn insert(&mut self, prepared: Arc<PreparedFrame>, is_complete: bool) {
         let index = prepared.index;
         let bytes = prepared.byte_size();
@@ -339,7 +339,7 @@ impl Cache {
         }
     }
 
-    /// Forgets what is known of frame `index`; what a worker makes of it now is dropped.
+    /// Forgets the known sizes of frame `index`; a result in progress is dropped.
     pub(super) fn forget(&mut self, index: usize) {
         self.evict(index);
         self.evict_coarse(index);

@@ -18,10 +18,10 @@ pub struct FrameFacts {
     pub voxel_error: Option<f32>,
 }
 
-/// Points that tell how far all are from their voxels, to a percent or two.
+/// Points that suffice to estimate how far all are from their voxels, to a percent or two.
 const ERROR_POINTS: usize = 1024;
 
-/// A loss belongs to what the octree was built for.
+/// A loss belongs to the purpose of the octree.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Known {
     facts: FrameFacts,
@@ -41,7 +41,7 @@ impl Facts {
         self.revision
     }
 
-    /// Takes notice of a frame that was prepared. Fewer points of it tell nothing new.
+    /// Records a prepared frame. Fewer points of it add no information.
     pub(super) fn note(&mut self, prepared: &PreparedFrame) {
         let index = prepared.index;
         if index >= self.frames.len() {
@@ -74,8 +74,8 @@ impl Facts {
         }
     }
 
-    /// The facts of the first `frame_count` frames; losses and errors only of octrees that end as `stop` says, if it
-    /// says anything.
+    /// The facts of the first `frame_count` frames; losses and errors only of octrees that end as `stop` says, if it is
+    /// set.
     pub(super) fn of(&self, frame_count: usize, stop: Option<StopCriterion>) -> Vec<Option<FrameFacts>> {
         let facts = |index: usize| {
             let known = (*self.frames.get(index)?)?;

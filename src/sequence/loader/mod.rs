@@ -1,9 +1,9 @@
 //! Prefetching: frames ahead of the playhead, made by worker threads, kept within a byte budget.
 //!
-//! [`Loader::request`] says where the playhead is and what its pictures need; it never blocks. Workers make that frame
-//! first, then those the playhead will reach ([`queue`] says in which order, [`cache`] what is evicted for them). When
-//! a frame is finished the loader calls `wake`; [`Loader::get`] then has it. A frame that cannot be read is remembered
-//! with its error and played over.
+//! [`Loader::request`] sets the playhead and the needs of its images; it never blocks. Workers make that frame first,
+//! then those the playhead will reach ([`queue`] has their order, [`cache`] the evictions for them). When a frame is
+//! finished the loader calls `wake`; [`Loader::get`] then has it. A frame that cannot be read is remembered with its
+//! error and played over.
 
 mod cache;
 mod facts;
@@ -38,12 +38,12 @@ use worker::Shared;
 pub enum Slot {
     /// Here, with everything needed.
     Ready(Arc<PreparedFrame>),
-    /// Here with everything needed, but of fewer points than its file has: a picture that may be shown in its place.
+    /// Here with everything needed, but of fewer points than its file has: an image that may be shown instead.
     Coarse(Arc<PreparedFrame>),
-    /// A large frame on its way: some of its points, or all of them without what is estimated. To be shown as points
+    /// A large frame being loaded: some of its points, or all of them without estimates. To be shown as points
     /// meanwhile.
     Partial(Arc<PreparedFrame>),
-    /// Here for older needs: a picture to show meanwhile.
+    /// Here for older needs: an image to show meanwhile.
     Stale(Arc<PreparedFrame>),
     /// Not here.
     Pending,
@@ -51,7 +51,7 @@ pub enum Slot {
     Failed(Arc<FrameError>),
 }
 
-/// Prepares the frames of one sequence on its own threads. Dropping it stops them, and what they read.
+/// Prepares the frames of one sequence on its own threads. Dropping it stops them, and their reading.
 pub struct Loader {
     shared: Arc<Shared>,
     threads: Vec<thread::JoinHandle<()>>,
@@ -115,8 +115,8 @@ impl Loader {
         &self.shared.sequence
     }
 
-    /// Says where the playhead is, where it goes and what pictures need. Never blocks; costs the same for any length of
-    /// the sequence. A playhead beyond the end is the last frame.
+    /// Sets the playhead, its direction and the needs of images. Never blocks; costs the same for any length of the
+    /// sequence. A playhead beyond the end is the last frame.
     pub fn request(&self, playhead: usize, direction: Direction, needs: &Needs) {
         let mut queue = self.shared.queue();
         let Some(last) = queue.cache.frame_count().checked_sub(1) else {
@@ -146,28 +146,28 @@ impl Loader {
         self.shared.work.notify_all();
     }
 
-    /// Says what happens at the ends, so that the right frames are prepared there. [`LoopMode::Loop`] until then.
+    /// Sets the behaviour at the ends, so that the right frames are prepared there. [`LoopMode::Loop`] until then.
     pub fn set_loop_mode(&self, loop_mode: LoopMode) {
         self.shared.queue().focus.travel.loop_mode = loop_mode;
         self.shared.work.notify_all();
     }
 
-    /// Says which frames play: of the others none is prepared ahead, and they are the first to go. All until then.
+    /// Sets the frames that play: others are not prepared ahead, and are the first to be evicted. All until then.
     pub fn set_range(&self, range: PlayRange) {
         self.shared.queue().focus.travel.range = range;
         self.shared.work.notify_all();
     }
 
-    /// Says how long a frame lasts while playing, or that nothing is played: then frames are made with all their
-    /// points, else with as many as there is time for.
+    /// Sets the duration of a frame while playing, or that nothing is played: then frames are made with all their
+    /// points, else with the number there is time for.
     pub fn set_interval(&self, interval: Option<Duration>) {
         if self.shared.queue().effort.set_interval(interval) {
             self.shared.work.notify_all();
         }
     }
 
-    /// Takes notice of how long a picture of a frame of so many points took while playing: where it was too long,
-    /// frames of fewer points are made.
+    /// Records how long an image of a frame with this number of points took while playing: if it was too long, frames
+    /// of fewer points are made.
     pub fn note_drawn(&self, points: usize, picture_ms: f64) {
         let mut queue = self.shared.queue();
         let before = queue.effort.at_best();
@@ -189,7 +189,7 @@ impl Loader {
         self.shared.work.notify_all();
     }
 
-    /// Forgets what was read of `frames`, as their files changed.
+    /// Discards data read of `frames`, as their files changed.
     pub fn forget(&self, frames: &[usize]) {
         let mut queue = self.shared.queue();
         for &frame in frames {
@@ -222,7 +222,7 @@ impl Loader {
         }
     }
 
-    /// Prepares frame `index` before all others and blocks until it is there. What was requested continues alongside
+    /// Prepares frame `index` before all others and blocks until it is there. The earlier request continues alongside
     /// it; without a request nothing but this frame is prepared.
     pub fn wait(&self, index: usize, needs: &Needs) -> Result<Arc<PreparedFrame>, FrameError> {
         self.check_index(index)?;
@@ -289,7 +289,7 @@ impl Loader {
         self.shared.readings.list()
     }
 
-    /// Returns true if someone has cancelled the reading of a frame, be it over or not.
+    /// Returns true if the reading of a frame was cancelled, even if it is over.
     pub fn was_cancelled(&self) -> bool {
         self.shared.readings.was_cancelled()
     }
@@ -324,7 +324,7 @@ impl Loader {
         }
     }
 
-    /// Sets the memory for prepared frames; what is too much goes at once.
+    /// Sets the memory for prepared frames; any excess is evicted at once.
     pub fn set_budget_bytes(&self, budget_bytes: usize) {
         let mut queue = self.shared.queue();
         queue.cache.set_budget_bytes(budget_bytes);

@@ -4,7 +4,7 @@ use crate::memory;
 use std::sync::Arc;
 use std::thread;
 
-/// Most workers by default: beyond it the disk is what one waits for.
+/// Maximum number of workers by default: beyond it the disk is the bottleneck.
 const MAX_DEFAULT_WORKERS: usize = 8;
 
 /// Default budget: 150 frames of 100,000 surfels.
@@ -23,14 +23,14 @@ pub struct LoaderOptions {
     /// Large frames that are looked at come in stages, for who shows them as they come: some points, all points, the
     /// rest.
     pub shows_stages: bool,
-    /// Memory of the machine in bytes: what takes more is skipped, and reported.
+    /// Memory of the machine in bytes: frames that take more are skipped, and reported.
     pub machine_bytes: u64,
     /// Called on a worker thread whenever a frame is finished, has failed or was given up. Must not block.
     pub wake: Arc<dyn Fn() + Send + Sync>,
 }
 
 impl Default for LoaderOptions {
-    /// A worker a core up to 8, 1 GiB, no coarse copies, nobody to wake.
+    /// A worker per core up to 8, 1 GiB, no coarse copies, no wake-up call.
     fn default() -> Self {
         Self {
             workers: thread::available_parallelism()

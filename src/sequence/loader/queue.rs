@@ -1,9 +1,9 @@
 //! Work queue: selects the frame that a worker takes next.
 //!
 //! **How it works.** There is no list of queued work that could become outdated. A worker that is free looks at the
-//! plan as it is now: frames somebody waits for, then the playhead's, then those the playhead will reach, in that
-//! order, and takes the first that is neither there nor failed nor in flight. What the playhead has passed, or what was
-//! wanted for older needs, is thereby forgotten at once. Work in flight checks between its stages whether it is still
+//! plan as it is now: frames waited for, then the playhead's, then those the playhead will reach, in that order, and
+//! takes the first that is neither there nor failed nor in flight. Frames that the playhead has passed, or that were
+//! wanted for older needs, are thereby forgotten at once. Work in flight checks between its stages whether it is still
 //! wanted.
 //!
 //! **Level of detail.** [`Effort`] determines how many points there is time for during playback. Frames due soon are
@@ -28,7 +28,7 @@ use std::sync::Arc;
 /// Prefetch distance: look-ahead in frames that are prepared, if the budget allows: ten seconds of footage.
 pub(super) const LOOK_AHEAD_FRAMES: usize = 256;
 
-/// Points of the coarse copies that are kept of all frames, at most and at least.
+/// Maximum and minimum number of points of the coarse copies cached of all frames.
 const COARSE_POINTS: (f64, f64) = (32_768.0, 1024.0);
 
 /// Somebody who blocks until a frame is there.
@@ -59,7 +59,7 @@ pub(super) struct Job {
 pub(super) enum NextStage {
     /// Some points, if they can be had without the others; else all.
     Sample,
-    /// All points, of so many.
+    /// All points, with their number.
     AllPoints(usize),
     /// Completion: the attributes that the points lack.
     Completion,
@@ -106,7 +106,7 @@ impl Queue {
         }
     }
 
-    /// Resident, in flight, and the frame kept since the origin was decided.
+    /// Resident, in flight, and the frame cached since the origin was decided.
     pub(super) fn used_bytes(&self) -> usize {
         self.cache.used_bytes() + self.sequence.cached_bytes()
     }
@@ -126,8 +126,8 @@ impl Queue {
             .or_else(|| self.coarse_job(&needs))
     }
 
-    /// Returns true if the frame at the playhead is between stages: a large one at rest of which a stage is there, but
-    /// not all; others wait for it.
+    /// Returns true if the frame at the playhead is between stages: a large one at rest with some stages there, but not
+    /// all; others wait for it.
     fn is_between_stages(&self, needs: &Needs) -> bool {
         let index = self.focus.playhead;
         self.partial(index).is_some() && self.cache.error(index).is_none() && !self.serves(index, needs, Detail::Full)
@@ -184,8 +184,8 @@ impl Queue {
         self.cache.error(index).is_some() || self.cache.is_in_flight(index) || self.serves(index, needs, detail)
     }
 
-    /// Returns true if a worker is on a frame of the group of `index`, whose decoder then knows what the others are
-    /// decoded from.
+    /// Returns true if a worker is on a frame of the group of `index`, whose decoder then knows the references of the
+    /// others.
     fn is_group_in_flight(&self, index: usize) -> bool {
         // Two workers in one group would decode the same frames twice.
         let frames = 0..self.cache.frame_count();
@@ -246,20 +246,20 @@ impl Queue {
             || coarse.is_some_and(|frame| detail.is_met_by(&frame.frame) && is_of_use(frame))
     }
 
-    /// Returns true if frame `index` has all that is needed, and nobody waits for more of it.
+    /// Returns true if frame `index` has all that is needed, and no caller waits for more of it.
     pub(super) fn is_complete(&self, index: usize, needs: &Needs) -> bool {
         let is_waited_for = |waiter: &Waiter| waiter.index == index && waiter.outcome.is_none();
         let full = self.cache.full(index);
         full.is_some_and(|frame| frame.satisfies(needs)) && !self.waiters.iter().any(is_waited_for)
     }
 
-    /// Returns true if frame `index` is at rest and stays as it is, as what it lacks was cancelled or does not fit the
-    /// memory.
+    /// Returns true if frame `index` is at rest and stays as it is, as its missing parts were cancelled or do not fit
+    /// into memory.
     fn is_settled(&self, index: usize) -> bool {
         self.effort.is_at_rest() && self.cache.is_settled(index)
     }
 
-    /// The frame to show of those that are there and have what is needed.
+    /// The frame to show of those that are there and have the needed parts.
     pub(super) fn best(&self, index: usize, needs: &Needs) -> Option<&Arc<PreparedFrame>> {
         if self.is_settled(index) {
             return self.cache.full(index).or(self.cache.coarse(index));
@@ -346,8 +346,8 @@ impl Queue {
         }
     }
 
-    /// Makes room for a frame that is made even where it alone is more than the budget; then it has to be the only one
-    /// in flight, so that the budget is exceeded by one frame at most.
+    /// Frees memory for a frame that is made even if it alone exceeds the budget; then it has to be the only one in
+    /// flight, so that the budget is exceeded by one frame at most.
     fn must_start(&mut self, bytes: usize) -> bool {
         self.free_space(bytes, 0) || self.cache.in_flight() == 0
     }
@@ -365,8 +365,8 @@ impl Queue {
         }
     }
 
-    /// Drops what is needed later than `rank` until `bytes` more fit; first of all the frame kept from finding the
-    /// origin, which nobody may ever ask for.
+    /// Drops frames needed later than `rank` until `bytes` more fit; first of all the frame cached from finding the
+    /// origin, which may never be requested.
     fn free_space(&mut self, bytes: usize, rank: usize) -> bool {
         if !self.has_space(bytes) {
             self.sequence.drop_cached();
@@ -379,8 +379,8 @@ impl Queue {
         fits
     }
 
-    /// Between decoding and preparing: what the frame of `job` is to be prepared for now that it takes about `bytes`,
-    /// or `None` if it is not wanted any more. A worker that hears `None` drops the frame and calls [`Queue::cancel`].
+    /// Between decoding and preparing: the needs to prepare the frame of `job` for, now that it takes about `bytes`, or
+    /// `None` if it is no longer wanted. A worker that gets `None` drops the frame and calls [`Queue::cancel`].
     pub(super) fn still_wanted(&mut self, job: &Job, bytes: usize) -> Option<Needs> {
         if self.shutdown {
             return None;
@@ -462,7 +462,7 @@ impl Queue {
         self.changed();
     }
 
-    /// Evicts until the budget is kept; the playhead's frame stays in any case.
+    /// Evicts until the budget is met; the playhead's frame stays in any case.
     pub(super) fn trim(&mut self) {
         self.free_space(0, 0);
     }

@@ -7,11 +7,11 @@ use std::sync::Mutex;
 /// Stage of the work on a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ReadingStage {
-    /// It is read, and prepared as far as pictures need it.
+    /// It is read, and prepared as far as images need it.
     Frame,
-    /// Some of its points can be shown, and all of them, so many, are being read.
+    /// Some of its points can be shown, and all of them, with their number, are being read.
     AllPoints(usize),
-    /// Its points can be shown, and their normals and radii are being estimated, and whatever else they lack.
+    /// Its points can be shown, and their normals and radii are being estimated, and all else they lack.
     Normals,
     /// Its points can be shown, and its triangles are being read.
     Mesh,
@@ -49,7 +49,7 @@ struct List {
 #[derive(Debug)]
 struct Entry {
     reading: Reading,
-    /// True if the result is not needed any more. It is cancelled, but by nobody.
+    /// True if the result is not needed any more. It is cancelled, but not by a user.
     is_superseded: bool,
 }
 
@@ -95,7 +95,7 @@ impl Readings {
         }
     }
 
-    /// Those that do not wait for others to be read.
+    /// Readings that do not wait for others.
     pub(super) fn list(&self) -> Vec<Reading> {
         let list = lock(&self.0);
         let wanted = list.under_way.iter().filter(|entry| !entry.is_superseded);
@@ -103,7 +103,7 @@ impl Readings {
         begun.map(|entry| entry.reading.clone()).collect()
     }
 
-    /// Ends what adds to frames that are complete as they are, for what is needed now.
+    /// Ends readings that add to frames which are already complete for the present needs.
     pub(super) fn supersede(&self, is_complete: impl Fn(usize) -> bool) {
         let adds = |stage| matches!(stage, ReadingStage::Normals | ReadingStage::Mesh | ReadingStage::Octree);
         for entry in &mut lock(&self.0).under_way {
@@ -115,7 +115,7 @@ impl Readings {
         }
     }
 
-    /// Returns true if someone has cancelled one of them, be it over or not.
+    /// Returns true if one of them was cancelled, even if it is over.
     pub(super) fn was_cancelled(&self) -> bool {
         lock(&self.0).was_cancelled()
     }
@@ -136,7 +136,7 @@ impl UnderWay<'_> {
         lock(&self.readings.0).has_read = true;
     }
 
-    /// Returns true if its result is superseded: nobody needs what it adds any more.
+    /// Returns true if its result is superseded: its additions are no longer needed.
     pub(super) fn is_superseded(&self) -> bool {
         let list = lock(&self.readings.0);
         let mut under_way = list.under_way.iter();

@@ -1,4 +1,4 @@
-//! A loader whose threads are an abacus: jobs are taken as by workers, and take as long as a test says, by the test's
+//! A loader whose threads are an abacus: jobs are taken as by workers, and take the time set by a test, by the test's
 //! own clock.
 
 use super::worker::{Finished, finish, make};
@@ -19,14 +19,14 @@ pub(crate) struct Cost {
 /// Workers that do not exist.
 pub(crate) struct Simulation {
     now: Duration,
-    /// When each is done, and with what.
+    /// End time and result of each.
     workers: Vec<Option<(Duration, Job)>>,
     cost: Box<dyn Fn(usize) -> Cost>,
     points: usize,
 }
 
 impl Simulation {
-    /// A loader for frames of `points` points, which cost what `cost` says of their index, and its workers.
+    /// A loader for frames of `points` points, at the `cost` of their index, and its workers.
     pub(crate) fn new(
         sequence: &Arc<Sequence>,
         options: LoaderOptions,
@@ -45,7 +45,7 @@ impl Simulation {
         (loader, simulation)
     }
 
-    /// When the next frame will be finished.
+    /// Time at which the next frame will be finished.
     pub(crate) fn next_event(&self) -> Option<Duration> {
         self.workers.iter().flatten().map(|&(at, _)| at).min()
     }

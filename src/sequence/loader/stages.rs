@@ -1,10 +1,9 @@
-//! The stages in which a large frame comes that is looked at and does not play: some of its points, all of them, what
-//! is estimated.
+//! The stages in which a large frame at rest arrives: some of its points, all of them, the estimates.
 //!
-//! **How it works.** Each stage is a job of its own, whose result is kept as any frame is: the sample as a coarse copy,
-//! all points as the frame itself. Neither has all that was asked for, so the next free worker goes on where they end.
-//! Who draws shows them as points meanwhile ([`super::Slot::Partial`]). Other frames wait until the one that is looked
-//! at is whole.
+//! **How it works.** Each stage is a job of its own, whose result is cached as any frame is: the sample as a coarse
+//! copy, all points as the frame itself. Neither has everything requested, so the next free worker goes on where they
+//! end. Meanwhile they are drawn as points ([`super::Slot::Partial`]). Other frames wait until the one being viewed is
+//! complete.
 //!
 //! A small frame comes at once: it would only flash as points.
 
@@ -13,10 +12,10 @@ use crate::cloud::{Frame, PointRecord, ShapeRecord};
 use crate::sequence::records::lacks_surface;
 use crate::sequence::{ColorSource, Needs, Paint};
 
-/// Frames of more points come in stages. The normals of fewer take a tenth of a second.
+/// Frames of more points come in stages. With fewer, normals take a tenth of a second.
 pub(crate) const STAGED_POINTS: usize = 1 << 17;
 
-/// Points of the first stage: as many as are found in 50 ms, one for each of seven pixels.
+/// Points of the first stage: the number found in 50 ms, one for each of seven pixels.
 pub(crate) const SAMPLE_POINTS: usize = 1 << 17;
 
 /// Frames of fewer points have no sample: all are read and sorted in less than a tenth of a second.
@@ -64,7 +63,7 @@ const ESTIMATED_BYTES: [usize; 2] = [230, 70];
 /// Bytes per point for building an octree.
 const OCTREE_BYTES: usize = 29;
 
-/// Returns true if the colours are those of normals that have to be estimated.
+/// Returns true if the colours show normals that have to be estimated.
 fn needs_normals(frame: &Frame, needs: &Needs) -> bool {
     needs.colors.paint(&needs.hints, frame) == Paint::Normal && frame.all_normals().is_none()
 }

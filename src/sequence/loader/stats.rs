@@ -54,7 +54,7 @@ pub struct LoaderStats {
     pub detail: Detail,
     /// Bytes of frames being made, as far as known.
     pub in_flight_bytes: usize,
-    /// The most bytes that were in use at once, resident and in flight.
+    /// The maximum number of bytes in use at once, resident and in flight.
     pub peak_bytes: usize,
     /// Memory budget that they are compared with.
     pub budget_bytes: usize,

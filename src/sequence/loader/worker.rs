@@ -21,8 +21,8 @@ pub(super) struct Shared {
     /// Thread pool for the stages of a frame that is prepared alone. Not the pool that draws: an image must not wait
     /// for a frame that is not even in it.
     pub(super) pool: rayon::ThreadPool,
-    /// Thread pool for the points of a frame at rest: there is nothing else to draw, so these threads are behind
-    /// nobody.
+    /// Thread pool for the points of a frame at rest: there is nothing else to draw, so these threads have normal
+    /// priority.
     pub(super) first_pool: rayon::ThreadPool,
     pub(super) sequence: Arc<Sequence>,
     pub(super) queue: Mutex<Queue>,
@@ -59,12 +59,12 @@ impl Shared {
     }
 }
 
-/// Threads for the stages of frames, which are behind those that draw: what they make is due later.
+/// Threads for the stages of frames, which have a lower priority than drawing: their results are due later.
 pub(super) fn pool(threads: usize) -> Result<rayon::ThreadPool, SequenceError> {
     pool_of(threads, |_| priority::go_behind_drawing())
 }
 
-/// Threads for what is waited for before anything can be drawn.
+/// Threads for work needed before anything can be drawn.
 pub(super) fn first_pool(threads: usize) -> Result<rayon::ThreadPool, SequenceError> {
     pool_of(threads, |_| {})
 }
@@ -80,7 +80,7 @@ fn pool_of(threads: usize, begin: impl Fn(usize) + Send + Sync + 'static) -> Res
         })
 }
 
-/// Takes jobs until the loader is dropped. Called in a pool of one thread, where what would be shared out stays.
+/// Takes jobs until the loader is dropped. Called in a pool of one thread, where work that would be shared out stays.
 pub(super) fn run(shared: &Shared) {
     while let Some(job) = next_job(shared) {
         let index = job.index;
@@ -104,14 +104,14 @@ pub(super) fn run(shared: &Shared) {
     }
 }
 
-/// Hands over what came of a job.
+/// Hands over the result of a job.
 pub(super) fn finish(shared: &Shared, index: usize, outcome: Result<Finished, Arc<FrameError>>) {
     let mut queue = shared.queue();
     let is_complete = |frame: &PreparedFrame| {
         let needs = queue.needs.as_ref();
         needs.is_none_or(|needs| frame.satisfies(needs))
     };
-    // A single stage says little about how long the whole frame takes.
+    // A single stage indicates little about the time of the whole frame.
     if let Some(finished) = outcome.as_ref().ok().filter(|made| is_complete(&made.frame)) {
         queue.effort.note_made(&finished.made());
     }
@@ -127,7 +127,7 @@ pub(super) struct Finished {
     pub(super) frame: PreparedFrame,
     /// Time of the decoder alone, milliseconds; `None` if it was not called.
     pub(super) decoder_ms: Option<f32>,
-    /// It stays as it is, as there is no memory for what it lacks.
+    /// It stays as it is, as there is no memory for its missing parts.
     pub(super) is_settled: bool,
 }
 
@@ -158,7 +158,7 @@ fn next_job(shared: &Shared) -> Option<Job> {
     }
 }
 
-/// Decodes and prepares; `None` if nobody wants the frame any more.
+/// Decodes and prepares; `None` if the frame is no longer wanted.
 pub(super) fn make(shared: &Shared, job: &Job) -> Result<Option<Finished>, FrameError> {
     if let Some(existing) = &job.existing {
         return complete_existing(shared, job, existing);
@@ -222,8 +222,8 @@ pub(super) fn make(shared: &Shared, job: &Job) -> Result<Option<Finished>, Frame
     }))
 }
 
-/// Adds what `job` asks for to a frame that was prepared for other needs, or takes some of its points; `None` if nobody
-/// needs it any more.
+/// Adds the requests of `job` to a frame that was prepared for other needs, or takes some of its points; `None` if it
+/// is no longer needed.
 fn complete_existing(shared: &Shared, job: &Job, existing: &PreparedFrame) -> Result<Option<Finished>, FrameError> {
     let lacks_mesh = existing.lacks_mesh_for(&job.needs);
     let stage = match existing.shapes {
@@ -304,7 +304,7 @@ fn sample(shared: &Shared, job: &Job) -> Option<Finished> {
     })
 }
 
-/// Prepares what `job` requests from a frame that was prepared for other needs or with more points.
+/// Prepares the requests of `job` from a frame that was prepared for other needs or with more points.
 fn from_existing(
     shared: &Shared,
     existing: &PreparedFrame,

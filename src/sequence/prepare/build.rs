@@ -16,7 +16,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-/// The shapes of all points, and by what the signs of their normals were decided.
+/// The shapes of all points, and the criterion that decided the signs of their normals.
 pub(super) type Shapes = (Arc<Vec<ShapeRecord>>, Orientation);
 
 /// A frame that is being prepared.
@@ -27,7 +27,7 @@ pub(super) struct Build<'a> {
     pub(super) existing: Option<&'a PreparedFrame>,
     /// Its triangles, if they were read.
     pub(super) loaded_mesh: Option<Mesh>,
-    /// Whose triangles it has otherwise.
+    /// The frame whose triangles it has otherwise.
     pub(super) mesh_of: Option<&'a PreparedFrame>,
     /// Shapes that are known.
     pub(super) shapes: Option<Shapes>,
@@ -45,7 +45,7 @@ pub(super) struct Build<'a> {
 }
 
 impl Build<'_> {
-    /// Makes what `needs` ask for and is not known.
+    /// Makes the missing parts that `needs` require.
     pub(super) fn finish(mut self, needs: &Needs) -> PreparedFrame {
         let same_colors = self.existing.filter(|existing| existing.is_painted_for(needs));
         let paint = match same_colors {
@@ -134,7 +134,7 @@ impl Build<'_> {
         Arc::new(points)
     }
 
-    /// The levels of detail of `points`. Those of `same_colors`, which has the same points, are used again.
+    /// The levels of detail of `points`. The levels of `same_colors`, which has the same points, are reused.
     fn levels(
         &mut self,
         needs: &Needs,
@@ -163,7 +163,7 @@ impl Build<'_> {
     }
 }
 
-/// The shapes of all points, of which `estimate` estimates the missing normals: see [`records::complete_surface`].
+/// The shapes of all points; `estimate` estimates missing normals: see [`records::complete_surface`].
 pub(super) fn estimated_shapes(
     frame: &Frame,
     timings: &mut Timings,

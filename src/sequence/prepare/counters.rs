@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Wall time of the stages that made a frame, in milliseconds; 0 for what was not done or was reused.
+/// Wall time of the stages that made a frame, in milliseconds; 0 for stages not run or reused.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Timings {
     /// Reading, decoding and validating the file.

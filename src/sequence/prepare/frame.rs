@@ -1,4 +1,4 @@
-//! A frame with everything that a picture asks for.
+//! A frame with everything that an image needs.
 
 use super::counters::Timings;
 use super::mesh::PreparedMesh;
@@ -11,7 +11,8 @@ use crate::sequence::{ColorHints, ColorSource, Coloring, Needs, Paint};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// A frame with everything some [`Needs`] asked for. Immutable; parts are shared with the frames it was completed from.
+/// A frame with everything required by some [`Needs`]. Immutable; parts are shared with the frames it was completed
+/// from.
 #[derive(Debug, Clone)]
 pub struct PreparedFrame {
     /// Index in the sequence.
@@ -22,7 +23,7 @@ pub struct PreparedFrame {
     pub frame: Arc<Frame>,
     /// One record a point.
     pub points: Arc<Vec<PointRecord>>,
-    /// One record a point, if asked for, or if estimating normals for colours brought them anyway.
+    /// One record per point, if requested, or if estimating normals for colours brought them anyway.
     pub shapes: Option<Arc<Vec<ShapeRecord>>>,
     /// Options by which the normals in `shapes` were estimated, where the file has none.
     pub surface: SurfaceOptions,
@@ -33,16 +34,16 @@ pub struct PreparedFrame {
     pub(super) unsmoothed: Option<Arc<Frame>>,
     /// True if `shapes` contain ellipses, which define how much longer than wide splats are; otherwise all are disks.
     pub has_ellipses: bool,
-    /// By what the signs of the normals in `shapes` were decided: the back of a surfel says nothing unless they are
-    /// right. `None` without shapes.
+    /// The criterion that decided the signs of the normals in `shapes`: the back of a surfel says nothing unless they
+    /// are right. `None` without shapes.
     pub orientation: Option<Orientation>,
-    /// Its triangles, if they were asked for; without any of a frame that has none.
+    /// Its triangles, if requested; empty for a frame without any.
     pub mesh: Option<PreparedMesh>,
-    /// Posed images of what it shows, if they were loaded: see [`PreparedFrame::with_photos`].
+    /// Posed images of its scene, if they were loaded: see [`PreparedFrame::with_photos`].
     pub posed_images: Option<Arc<PosedImages>>,
     /// Surface that posed images are projected onto, if that is finer than one disk per point.
     pub curved: Option<PhotoSurface>,
-    /// The levels of detail that were asked for, in the colours of `points`.
+    /// The requested levels of detail, in the colours of `points`.
     pub levels: LevelsSet,
     /// Timings of the last completion; decoding included if it happened then.
     pub timings: Timings,
@@ -66,7 +67,7 @@ impl PreparedFrame {
         needs.mesh && self.mesh.is_none() && self.frame.has_faces()
     }
 
-    /// The triangles in a paint; the same allocations if it is that of the points.
+    /// The triangles in a paint; the same allocations if it is the points' paint.
     pub(super) fn mesh_in(&self, paint: &Paint) -> Option<PreparedMesh> {
         let mesh = self.mesh.as_ref()?;
         let is_painted = self.paint == *paint;
@@ -77,7 +78,7 @@ impl PreparedFrame {
         })
     }
 
-    /// Estimated ellipses have the radii of disks, those of a file have not.
+    /// Estimated ellipses have the radii of disks, a file's have not.
     fn has_shapes_for(&self, needs: &Needs) -> bool {
         let are_disks = !self.has_ellipses || self.frame.ellipses().is_none();
         self.shapes.is_some()
@@ -85,7 +86,7 @@ impl PreparedFrame {
             && if needs.ellipses { self.has_ellipses } else { are_disks }
     }
 
-    /// Returns true if the normals of shapes are those that are needed: of the file, or estimated in that way.
+    /// Returns true if the normals of shapes are the needed ones: the file's, or estimated by that method.
     fn has_surface_of(&self, needs: &Needs) -> bool {
         self.surface == needs.surface || self.frame.all_normals().is_some()
     }
@@ -123,8 +124,8 @@ impl PreparedFrame {
     }
 
     /// Returns a copy with the same points in `colors`, one per point, as `paint` specifies, under an id of their own,
-    /// with levels of detail of the same kind. To be drawn, not to be completed: what is added later would have the
-    /// colours of the file again.
+    /// with levels of detail of the same kind. To be drawn, not to be completed: later additions would have the colours
+    /// of the file again.
     #[must_use]
     pub fn in_colors(&self, colors: &[[u8; 4]], paint: Paint) -> Self {
         let points = self.points.iter().zip(colors);

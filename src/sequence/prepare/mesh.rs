@@ -1,4 +1,4 @@
-//! Triangles made ready for a picture: vertices in the colours of the points.
+//! Triangles made ready for an image: vertices in the colours of the points.
 
 use crate::analysis::fake_color;
 use crate::cloud::{Mesh, MeshRecords, PointRecord, Texturing, TriangleRecord, VertexRecord, oct_encode};
@@ -56,7 +56,7 @@ impl PreparedMesh {
     }
 }
 
-/// One record a vertex. Where the file has no normals, light falls on the faces.
+/// One record per vertex. If the file has no normals, the faces are lit.
 fn vertices(mesh: &Mesh, paint: &Paint, texturing: Option<&Texturing>) -> Vec<VertexRecord> {
     let normals = mesh.vertices().normals();
     let normal = |slot: usize| match normals.map(|normals| normals[slot]) {

@@ -1,7 +1,7 @@
-//! A frame made ready for a picture: completed, coloured, packed into records, indexed; each only if it is needed.
+//! A frame made ready for an image: completed, coloured, packed into records, indexed; each only if it is needed.
 //!
-//! **How it works.** [`complete`] takes what is there and adds what [`Needs`] ask for beyond it. Every part is shared
-//! by an [`Arc`], and stays the same one as long as it is right:
+//! **How it works.** [`complete`] takes the existing parts and adds the missing ones that [`Needs`] require. Every part
+//! is shared by an [`Arc`], and stays the same one as long as it is right:
 //!
 //! | changed | decoded | estimated | rewritten |
 //! |---|---|---|---|
@@ -14,12 +14,12 @@
 //! | ellipses wanted now | – | ellipses | shapes; levels that are made of them |
 //! | triangles wanted now | the file once more, by the loader | – | triangles |
 //!
-//! **Who changed.** [`PreparedFrame::id`] names the content of `points`: equal ids mean equal points, so a renderer
-//! that holds the points of an id need not upload them again. For shapes and octree the `Arc` itself tells:
+//! **Change tracking.** [`PreparedFrame::id`] names the content of `points`: equal ids mean equal points, so a renderer
+//! that holds the points of an id need not upload them again. For shapes and octree the `Arc` itself identifies them:
 //! `Arc::ptr_eq`.
 //!
 //! Fake colours are always taken from the packed normals, so that they do not depend on the order in which shapes and
-//! colours were asked for.
+//! colours were requested.
 
 mod build;
 mod counters;
@@ -98,7 +98,7 @@ pub(super) fn prepare_sample(
     counters: &PrepareCounters,
 ) -> Result<PreparedFrame, CloudError> {
     let start = Instant::now();
-    // Points that are fewer are moved by what is around them then, and not twice.
+    // Fewer points are moved by their neighbours then, and not twice.
     let (frame, slots) = existing.original().sample(max_points)?;
     let factor = radius_factor(existing.frame.len(), slots.len());
     let is_smoothed = existing.unsmoothed.is_some() || needs.smoothing > 0.0;
@@ -134,9 +134,8 @@ pub(super) fn prepare_sample(
     Ok(build.finish(needs))
 }
 
-/// Prepares the points of `existing` at `slots` alone, for a picture that is soon replaced: where nobody knows a
-/// sensor, normals agree with those of representatives. Radii are those that close the surface of these points,
-/// whatever the file says.
+/// Prepares the points of `existing` at `slots` alone, for an image that is soon replaced: without a known sensor,
+/// normals agree with those of representatives. Radii close the surface of these points, whatever the file says.
 pub fn prepare_part(
     existing: &PreparedFrame,
     slots: &[u32],
@@ -165,7 +164,7 @@ pub fn prepare_part(
     Ok(build.finish(needs))
 }
 
-/// Adds to `existing` what `needs` ask for beyond it; parts that are still right are the same `Arc`s.
+/// Adds to `existing` the missing parts that `needs` require; parts that are still right are the same `Arc`s.
 pub fn complete(existing: &PreparedFrame, needs: &Needs, counters: &PrepareCounters) -> PreparedFrame {
     complete_observed(existing, None, needs, counters, &Progress::default())
 }

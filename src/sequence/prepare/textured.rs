@@ -1,13 +1,13 @@
 //! Surface for view-dependent texturing, which posed images are projected onto.
 //!
-//! Points reconstructed from images are few, and some of them are wrong: what was taken for one thing in two images is
-//! somewhere in the air. The disk of a point that is far from all others is as large as what it hides. With images
-//! projected onto it, it shows what is behind it at a wrong position. So [outliers](stray_points) shrink to dots, and
-//! normals and radii are estimated without them, for they had turned the disks around them.
+//! Points reconstructed from images are few, and some of them are wrong: mismatched features of two images are
+//! somewhere in the air. The disk of a point that is far from all others is as large as the surface it hides. With
+//! images projected onto it, it shows the surface behind it at a wrong position. So [outliers](stray_points) shrink to
+//! dots, and normals and radii are estimated without them, for they had turned the disks around them.
 //!
-//! The points of the frame stay: they are what the file has, and without posed images they are drawn.
+//! The points of the frame stay: they are the file's, and without posed images they are drawn.
 //!
-//! A disk of few points reaches beyond an outline, and takes the images from what is behind it. So [splats are
+//! A disk of few points reaches beyond an outline, and takes the images from the surface behind it. So [splats are
 //! curved](bent_disks): smaller ones on the curved surface are drawn, and images are occluded by these.
 
 use crate::analysis::{Disk, Surface, SurfaceOptions, curved_splats, estimate_surface_observed, outliers, splat_radii};
@@ -20,7 +20,7 @@ use std::sync::Arc;
 /// Clouds of more points are dense: the disks of stray ones are small there.
 const MAX_POINTS: usize = 1 << 18;
 
-/// Disks of more points are too small to be seen as such; what they become would be up to 19 times as many.
+/// Disks of more points are too small to be seen as such; the curved ones would be up to 19 times as many.
 const MAX_CURVED: usize = 1 << 15;
 
 /// Scale of an outlier's disk, as a factor on its radius.
@@ -61,8 +61,8 @@ pub(super) fn without_outliers(
     Some(shapes)
 }
 
-/// The disks of a frame, bent with the surface; `None` where all are flat, the file says how large they are, or they
-/// are many. Precondition: a record of each kind for each point.
+/// The disks of a frame, bent with the surface; `None` where all are flat, the file has their radii, or they are many.
+/// Precondition: a record of each kind for each point.
 pub(super) fn curved_surface(
     frame: &Frame,
     points: &[PointRecord],
@@ -196,7 +196,7 @@ mod tests {
             let [x, y, _] = point.position;
             assert!((x.hypot(y) - 1.0).abs() < 0.02, "{point:?}");
         }
-        // Radii in a file were chosen by someone.
+        // Radii in a file were chosen deliberately.
         let with_radii = Attributes {
             radii: Some(vec![0.3; 600]),
             ..with_normals

@@ -1,4 +1,4 @@
-//! Those who are connected.
+//! The connected clients.
 
 use super::mailbox::Mailbox;
 use super::outgoing::Outgoing;
@@ -27,11 +27,11 @@ pub enum LiveEvent {
     Joined(SocketAddr),
     /// Somebody has left, or was left.
     Left(ClientReport),
-    /// Somebody was sent away, as there are as many clients as may be.
+    /// A client was rejected: the client limit is reached.
     Full(SocketAddr),
 }
 
-/// Report of what a client was sent.
+/// Report of the data sent to a client.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClientReport {
     /// Address of the client.
@@ -46,7 +46,7 @@ pub struct ClientReport {
     pub whole_bytes: Option<u64>,
     /// Duration of the connection.
     pub time: Duration,
-    /// Why it is not there any more.
+    /// The reason why it is gone.
     pub reason: String,
 }
 
@@ -63,13 +63,13 @@ pub(super) struct Client {
     joined: Instant,
     /// While it is sent a message: when it took something last.
     taking: Mutex<Option<Instant>>,
-    /// When it has said something last, as those who show the stream do all the time.
+    /// Time of its last message; clients that show the stream send them all the time.
     heard: Mutex<Option<Instant>>,
-    /// To end what its threads wait for.
+    /// For ending the waits of its threads.
     pub(super) stream: TcpStream,
 }
 
-/// The answer to somebody who wants to join.
+/// The answer to a client that wants to join.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Joining {
     Joined,
@@ -104,23 +104,23 @@ impl Client {
         *lock(&self.view) = Some(view);
     }
 
-    /// It is sent a message from now on.
+    /// Notes that a message is being sent to it from now on.
     pub(super) fn begins_to_take(&self) {
         *lock(&self.taking) = Some(Instant::now());
     }
 
-    /// It has taken the message to its end.
+    /// Notes that it has taken the whole message.
     pub(super) fn has_taken(&self) {
         *lock(&self.taking) = None;
     }
 
-    /// It has said something.
+    /// Notes that it has sent a message.
     pub(super) fn has_spoken(&self) {
         *lock(&self.heard) = Some(Instant::now());
     }
 
-    /// For how long it has taken nothing of what it is sent. Of one whose messages may lie in buffers of the network:
-    /// for how long it has said nothing, be it from the beginning. Who takes nothing comes before who says nothing.
+    /// Time since it last took any data sent to it. For a client whose messages may lie in network buffers: time since
+    /// its last message, or since it connected. Clients that take nothing come before silent ones.
     fn idle_for(&self) -> (bool, Duration) {
         if let Some(taken) = *lock(&self.taking) {
             return (true, taken.elapsed());
@@ -150,7 +150,7 @@ impl Client {
     }
 }
 
-/// All clients, and the newest frame, which is what a new one begins with.
+/// All clients, and the newest frame, which a new client begins with.
 #[derive(Debug, Default)]
 pub(super) struct Audience {
     inside: Mutex<Inside>,
@@ -179,8 +179,7 @@ impl Inside {
 }
 
 impl Audience {
-    /// Takes a client. Where all places are taken, one that has taken or said nothing for longer than `stuck` gives
-    /// way.
+    /// Accepts a client. If all places are taken, one that has taken or sent nothing for longer than `stuck` gives way.
     pub(super) fn join(&self, client: &Arc<Client>, stuck: Duration) -> Joining {
         let mut inside = lock(&self.inside);
         if inside.is_over {
@@ -196,7 +195,7 @@ impl Audience {
         Joining::Joined
     }
 
-    /// Hangs up on one that has taken or said nothing for longer than `stuck`, if there is one.
+    /// Hangs up on one that has taken or sent nothing for longer than `stuck`, if there is one.
     pub(super) fn free_one(&self, stuck: Duration) {
         lock(&self.inside).give_way(stuck);
     }
@@ -205,7 +204,7 @@ impl Audience {
         lock(&self.inside).clients.retain(|other| !Arc::ptr_eq(other, client));
     }
 
-    /// Hands a frame to everybody; says how many frames were dropped for it.
+    /// Hands a frame to all clients; returns the number of frames dropped for it.
     pub(super) fn send(&self, frame: &Arc<Outgoing>) -> u64 {
         let mut inside = lock(&self.inside);
         inside.newest = Some(Arc::clone(frame));
@@ -247,7 +246,7 @@ impl Audience {
             .sum()
     }
 
-    /// Says that it is over, and hangs up where nobody listens.
+    /// Announces the end, and hangs up on clients that do not listen.
     pub(super) fn end(&self, reason: &str) {
         let clients = {
             let mut inside = lock(&self.inside);

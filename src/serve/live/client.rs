@@ -21,11 +21,11 @@ const HEARTBEAT: Duration = Duration::from_secs(1);
 /// Bytes of a message of a client.
 const MAX_SAID_BYTES: u64 = 256;
 
-/// So many messages of a client are heard in so much time: more than there are frames, and no work for a processor.
+/// Number of messages of a client read in this time: more than there are frames, and little CPU load.
 const MAX_SAID: (u32, Duration) = (1000, Duration::from_millis(50));
 
-/// Estimators of what views show: as many as there are processors, as each has numbers for every pixel of the largest
-/// view that anybody has sent it.
+/// Estimators of the surfaces in views: one per CPU, as each has numbers for every pixel of the largest view it has
+/// received.
 #[derive(Debug)]
 pub(super) struct Estimators {
     all: Vec<Mutex<ScreenEstimator>>,
@@ -49,7 +49,7 @@ impl Estimators {
     }
 }
 
-/// Sends what is in the mailbox until the client has left, or there is no more; says why it has ended.
+/// Sends the contents of the mailbox until the client has left, or there is no more; returns the reason for the end.
 pub(super) fn send(
     client: &Client,
     min: MinRate,
@@ -108,7 +108,7 @@ fn end(reason: &str) -> Vec<u8> {
     Message::new(Kind::End, reason.as_bytes().to_vec()).encode()
 }
 
-/// Tells somebody who has no place why, if it can be told at once.
+/// Tells a rejected client the reason, if that is possible at once.
 pub(super) fn refuse(mut stream: &TcpStream, head: &StreamHead, reason: &str) -> io::Result<()> {
     // Buffers of a new connection hold that much.
     stream.set_nonblocking(true)?;
@@ -129,7 +129,7 @@ fn stamp(payload: &mut Vec<u8>, kind: Kind, clock_ns: u64) {
     }
 }
 
-/// Hears what the client says until it says no more.
+/// Reads the client's messages until there are no more.
 pub(super) fn listen(client: &Client, stream: &TcpStream, clock_ns: impl Fn() -> u64) -> WireError {
     let mut reader = BufReader::with_capacity(1 << 10, stream);
     let (max, time) = MAX_SAID;

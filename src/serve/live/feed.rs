@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-/// Bytes of bodies that are kept: a short sequence that is played over and over is made once.
+/// Bytes of bodies that are cached: a short sequence that is played over and over is made once.
 const MAX_BUFFERED_BYTES: usize = 256 << 20;
 
 /// Number of frames after which the point spacing is measured again.
@@ -26,9 +26,9 @@ pub(super) struct Feed {
     max_bytes: u64,
     buffered: BTreeMap<usize, Body>,
     buffered_bytes: usize,
-    /// Frames that cannot be read, which was said.
+    /// Unreadable frames, already reported.
     broken: BTreeSet<usize>,
-    /// Frames whose colours cannot be sent, which was said.
+    /// Frames whose colours cannot be sent, already reported.
     said: BTreeSet<usize>,
     /// Point spacing, and the number of frames since it was measured.
     spacing: Option<(PointSpacing, usize)>,
@@ -49,8 +49,8 @@ impl Feed {
         }
     }
 
-    /// All points of frame `index`, for those who are sent what they see; `None` if it cannot be read, which was said
-    /// where its body was made.
+    /// All points of frame `index`, for clients that are sent visible points; `None` if it cannot be read, which was
+    /// reported when its body was made.
     pub(super) fn whole(&mut self, index: usize) -> Option<Arc<WholeFrame>> {
         self.without_panic(|feed| feed.made_whole(index)).ok()
     }

@@ -1,9 +1,9 @@
 //! Mailbox of messages to send to one client: two frames at most, and answers.
 //!
 //! A frame that arrives while two wait replaces the oldest: the newest wins. So that frames do not queue in the buffers
-//! of the network instead, which hold seconds of small ones, no more than two are in flight: a client reports what it
-//! has received ([`crate::wire::Got`]). One that never does so is sent what the network takes. A client whose answers
-//! take longer than two frames last gets two frames in that time.
+//! of the network instead, which hold seconds of small ones, no more than two are in flight: a client acknowledges
+//! received frames ([`crate::wire::Got`]). One that never does so is sent as much as the network takes. A client whose
+//! answers take longer than two frames last gets two frames in that time.
 
 use super::outgoing::Outgoing;
 use crate::locks::lock;
@@ -15,10 +15,10 @@ use std::time::Duration;
 /// Frames that wait.
 pub(super) const MAX_FRAMES: usize = 2;
 
-/// Answers that wait: a client that asks more often is not answered.
+/// Answers that wait: a client that sends pings more often is not answered.
 const MAX_ANSWERS: usize = 8;
 
-/// Frames that are on the way to a client that says what it has received.
+/// Frames in flight to a client that acknowledges received ones.
 // Without this bound, network buffers hold seconds of small frames. The price: a client whose acknowledgements take
 // longer than two frames last gets two per round trip, 20 frames per second at a round-trip time of 100 ms.
 const MAX_ON_THE_WAY: usize = 2;
@@ -59,7 +59,7 @@ impl Inside {
 }
 
 impl Mailbox {
-    /// Takes a frame; says whether another one was dropped for it.
+    /// Takes a frame; returns true if another one was dropped for it.
     pub(super) fn push(&self, frame: Arc<Outgoing>) -> bool {
         let mut inside = lock(&self.inside);
         let drops = inside.frames.len() >= MAX_FRAMES;
@@ -102,7 +102,7 @@ impl Mailbox {
         lock(&self.inside).dropped
     }
 
-    /// Waits for what is to be sent next, no longer than that.
+    /// Waits for the next message to send, at most that long.
     pub(super) fn next(&self, at_most: Duration) -> Next {
         let inside = lock(&self.inside);
         let nothing = |inside: &mut Inside| {

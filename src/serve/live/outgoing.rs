@@ -34,7 +34,7 @@ pub(super) struct Outgoing {
     /// The header of the message and the head of the frame.
     pub(super) head: Vec<u8>,
     pub(super) body: Body,
-    /// For those who are sent what they see, if there are any.
+    /// For clients that are sent visible points, if there are any.
     whole: Option<Arc<WholeFrame>>,
 }
 
@@ -66,7 +66,7 @@ impl Outgoing {
         Self { whole, ..self }
     }
 
-    /// The frame as `view` shows it; `None` where nobody had sent a view when it was made.
+    /// The frame as `view` shows it; `None` if no view had been received when it was made.
     pub(super) fn seen_by(&self, view: &View, estimator: &mut ScreenEstimator) -> Option<Arc<Self>> {
         let seen = self.whole.as_ref()?.seen(view, estimator);
         Some(Arc::new(Self::new(

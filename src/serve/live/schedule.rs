@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-/// When the frames of a sequence are due, over and over.
+/// Due times of the frames of a sequence, played repeatedly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Schedule {
     /// Since the first frame, ascending; at least one.
@@ -46,7 +46,7 @@ impl Schedule {
         (number % self.begins.len() as u64) as usize
     }
 
-    /// When the frame with this number is due.
+    /// Time at which the frame with this number is due.
     pub(super) fn due(&self, number: u64) -> Duration {
         let turns = u32::try_from(number / self.begins.len() as u64).unwrap_or(u32::MAX);
         let within = self.begins[self.index(number)];

@@ -19,7 +19,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// Between looks at whether it is over, and whether somebody has come.
+/// Interval of checks for the end, and for new clients.
 const LOOK: Duration = Duration::from_millis(10);
 
 /// Clients that wait for a place; more are left to the queue of the system.
@@ -32,7 +32,7 @@ pub struct LiveOptions {
     pub coding: ImageCoding,
     /// True if playback loops: the sequence restarts at its end.
     pub repeats: bool,
-    /// Most bytes that a frame may take in memory.
+    /// Maximum bytes that a frame may take in memory.
     pub max_bytes: u64,
 }
 
@@ -43,7 +43,7 @@ pub struct LiveReport {
     pub clients: usize,
     /// Frames that were served, each counted once.
     pub served_frames: u64,
-    /// Frames that could not be made in time while somebody was there, or not at all.
+    /// Frames that could not be made in time while a client was connected, or not at all.
     pub missed_frames: u64,
     /// Frames that were dropped for newer ones, of all clients together.
     pub dropped_frames: u64,
@@ -98,10 +98,11 @@ impl Shared {
 }
 
 impl LiveServer {
-    /// Listens at `address`; nobody is answered before [`LiveServer::run`]. `tell` hears who comes and goes.
+    /// Listens at `address`; clients are not answered before [`LiveServer::run`]. `tell` receives their arrivals and
+    /// departures.
     ///
     /// # Errors
-    /// Those of the system, if it cannot be listened there.
+    /// Errors of the system, if listening fails.
     pub fn bind(
         source: Arc<dyn Source>,
         schedule: Schedule,
@@ -135,7 +136,7 @@ impl LiveServer {
         })
     }
 
-    /// Waits for clients as long as these say.
+    /// Sets the deadlines for clients.
     #[must_use]
     pub fn with_deadlines(self, deadlines: ServerDeadlines) -> Self {
         Self { deadlines, ..self }
@@ -158,7 +159,7 @@ impl LiveServer {
         }
     }
 
-    /// True once all clients have said something.
+    /// True once all clients have sent a message.
     #[cfg(test)]
     pub(super) fn all_have_spoken(&self) -> bool {
         self.shared.audience.all_have_spoken()
@@ -255,7 +256,7 @@ impl LiveServer {
         "the server was stopped"
     }
 
-    /// All points of a frame, if its body was made and somebody has said what it looks at.
+    /// All points of a frame, if its body was made and a client has sent a view.
     fn whole(&self, feed: &mut Feed, index: usize, body: Option<&Body>) -> Option<Arc<WholeFrame>> {
         body.filter(|_| self.shared.audience.has_views())?;
         feed.whole(index)
@@ -287,7 +288,7 @@ impl LiveServer {
     /// Takes clients until it is over.
     fn accept(&self) {
         let mut back_off = AcceptBackOff::default();
-        // Clients for which there is no place yet.
+        // Clients without a place yet.
         let mut waiting = VecDeque::new();
         while !self.shared.is_over() {
             self.seat(&mut waiting);

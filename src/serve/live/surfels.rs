@@ -3,10 +3,10 @@
 //!
 //! **How it works.** A frame is decoded once for all clients that have sent a view, with the filters of the server.
 //! Each of their senders separates visible points from hidden ones and fits planes around them
-//! ([`crate::analysis::screen`]), using the newest view that it knows when the frame is sent. What is sent is an
-//! ordinary message of points, so clients need no extra support.
+//! ([`crate::analysis::screen`]), using the newest view that it knows when the frame is sent. The message is an
+//! ordinary one of points, so clients need no extra support.
 //!
-//! **When it wins.** Bytes and client work depend on what is visible, not on what exists: this pays for clouds that are
+//! **When it wins.** Bytes and client work depend on the visible part, not on the whole: this pays for clouds that are
 //! larger than a rendered image, such as merged frames. A single depth image is smaller when sent as an image.
 
 use crate::analysis::screen::{ScreenCloud, ScreenEstimator, ScreenView, Search};
@@ -66,7 +66,7 @@ impl WholeFrame {
         }
     }
 
-    /// Returns the points visible in `view`. Normals and radii from the file are kept.
+    /// Returns the points visible in `view`. Normals and radii from the file are unchanged.
     pub(super) fn seen(&self, view: &View, estimator: &mut ScreenEstimator) -> RawCloud {
         let eye = view.eye - self.origin;
         let eye_high = eye.as_vec3();

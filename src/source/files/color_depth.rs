@@ -1,9 +1,9 @@
 //! The range of colours of a sequence, decided once for all of its frames.
 //!
 //! **How it works.** Fields of 16 bits and floats may hold 0 to 255, 0 to 65535 or 0 to 1, and the largest value of a
-//! frame tells which. A dark frame has no large value: read alone, it is as bright as the others. So a frame that looks
-//! like a narrower range asks the sequence. The first one that does has a few frames read, evenly spread from first to
-//! last; the widest range among them holds for all frames, whichever was read first.
+//! frame decides. A dark frame has no large value: read alone, it is as bright as the others. So a frame that looks
+//! like a narrower range queries the sequence. The first one that does has a few frames read, evenly spread from first
+//! to last; the widest range among them holds for all frames, whichever was read first.
 
 use super::decode::read_frame;
 use crate::assumption::{Assumption, Evidence, Subject};
@@ -29,7 +29,7 @@ const LARGE_BYTES: u64 = 64 << 20;
 pub(super) struct SharedDepth {
     entries: Arc<RwLock<Vec<Arc<FrameEntry>>>>,
     decided: OnceLock<Option<ColorDepth>>,
-    /// The least range, where somebody has chosen it.
+    /// The minimum range, if it was chosen.
     chosen: Option<ColorDepth>,
 }
 

@@ -1,7 +1,7 @@
 //! Companion files next to the frames that are not frames themselves: their normals, masks, labels.
 //!
-//! **How it works.** File names decide which files to check, headers decide what these are. `7_normal.pcd` is checked,
-//! as its name ends like that of normals; so is `7_mask.ply` next to `7.ply`, since two files share the number 7. Of
+//! **How it works.** File names decide which files to check, headers decide their contents. `7_normal.pcd` is checked,
+//! as its name ends like one of normals; so is `7_mask.ply` next to `7.ply`, since two files share the number 7. Of
 //! files whose names are alike except for their numbers, one is enough if it has points. Normals are attached to the
 //! frame of their name; files that hold no points are skipped and reported in a sentence. A folder in which every file
 //! has a number of its own is not checked: there may be a hundred thousand.
@@ -205,7 +205,7 @@ mod tests {
         )
     }
 
-    /// What becomes of files in one folder: those that stay, normals with their frames, those that are left out.
+    /// Result for the files of one folder: those that stay, normals with their frames, skipped ones.
     fn grouped(files: &[(&str, &[&str])]) -> (Vec<String>, Vec<String>, Vec<String>) {
         let folder = tempfile::tempdir().unwrap();
         let mut paths = Vec::new();

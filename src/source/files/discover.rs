@@ -1,17 +1,17 @@
 //! Folders, patterns and files → ordered entries.
 //!
 //! **How it works.** Inputs keep the order in which they were given, with one exception: files named one after the
-//! other are sorted, because that is what a shell makes of `scan_*.ply` (it sorts `scan_10` before `scan_2`). A folder
-//! or a pattern is sorted in itself, by value or naturally (`names.rs`). A file that was already taken is not taken
-//! again. Cost: the names are sorted, O(n log n); no file is opened but those that may hold many frames, whose list of
+//! other are sorted, because a shell expands `scan_*.ply` so (it sorts `scan_10` before `scan_2`). A folder or a
+//! pattern is sorted in itself, by value or naturally (`names.rs`). A file that was already taken is not taken again.
+//! Cost: the names are sorted, O(n log n); no file is opened except those that may hold many frames, whose list of
 //! contents is read, and lists of times and poses.
 //!
-//! **What counts.** From a folder come files with an extension that a decoder knows, in any case, hidden ones skipped;
+//! **Selection.** From a folder come files with an extension that a decoder knows, in any case, hidden ones skipped;
 //! from its sub-folders if it has none itself (`folder.rs`). A pattern is read the same way, unless nothing it matches
 //! has a known extension: then those files are meant. A file named outright is always taken; its first bytes decide.
-//! Normals in a file next to their points belong to these, and what else in a folder shares its number with a frame and
-//! holds no points is skipped (`companions.rs`). Of the others those of one series are frames (`series.rs`). Times
-//! (`times.rs`) and poses (`poses.rs`) are looked for next to them.
+//! Normals in a file next to their points belong to these, and any other file in a folder that shares its number with a
+//! frame and holds no points is skipped (`companions.rs`). Of the others, the files of one series are frames
+//! (`series.rs`). Times (`times.rs`) and poses (`poses.rs`) are looked for next to them.
 
 use super::companions::{Companions, Known};
 use super::folder::{self, FoundFiles};
@@ -152,7 +152,7 @@ impl FoundPaths {
         self.paths.append(listed);
     }
 
-    /// Appends those of the files of `input` that are frames.
+    /// Appends the files of `input` that are frames.
     fn append_found(
         &mut self,
         input: &Path,
@@ -227,7 +227,7 @@ fn is_array(path: &Path) -> bool {
 }
 
 impl Discovered {
-    /// Looks for times and poses next to the frames, and says which files have no use.
+    /// Looks for times and poses next to the frames, and reports unused files.
     fn look_for_sidecars(
         &mut self,
         inputs: &[PathBuf],
@@ -257,7 +257,7 @@ impl Discovered {
         skipped.retain(|file| !used.contains(file));
         self.notes.extend(times.notes);
         self.notes.extend(poses.notes);
-        // What was already reported about a list is not repeated.
+        // Earlier reports about a list are not repeated.
         skipped.retain(|file| {
             let name = file.display().to_string();
             !self.notes.iter().any(|note| note.starts_with(&name))
@@ -268,11 +268,11 @@ impl Discovered {
         Ok(())
     }
 
-    /// Appends what is in the file at `path`: one frame, or those that [`io::contents`] finds. What cannot be listed is
-    /// one frame, which says why when it is decoded.
+    /// Appends the contents of the file at `path`: one frame, or those that [`io::contents`] finds. An unlistable file
+    /// is one frame, which reports the reason when it is decoded.
     ///
-    /// Of many files, text and arrays are a frame each, as they would have to be read here to know more: `opens` says
-    /// whether arrays are opened, and text.
+    /// With many files, text and arrays are one frame each, as they would have to be read here to know more: `opens`
+    /// enables opening of arrays, and of text.
     fn append_frames(&mut self, path: PathBuf, options: &OpenOptions, opens: [bool; 2]) {
         let [opens_arrays, opens_text] = opens;
         let format = Format::of_extension(&path);
@@ -329,8 +329,8 @@ impl Discovered {
     }
 }
 
-/// Folders in which lists of the frames may be: that of the frames, and those above it as far as they belong to the
-/// same recording.
+/// Folders in which lists of the frames may be: the frames' own, and those above it as far as they belong to the same
+/// recording.
 fn sibling_folders(entries: &[FrameEntry], inputs: &[PathBuf]) -> Vec<PathBuf> {
     /// `velodyne_points/data` in the folder of a drive.
     const MAX_FOLDERS: usize = 4;

@@ -84,7 +84,7 @@ impl Listing {
                 continue;
             }
             let kind = entry.file_type().map_err(unreadable)?;
-            // Only links need a second file system access.
+            // Only links need another file system access.
             let is_folder = kind.is_dir() || (kind.is_symlink() && path.is_dir());
             if is_folder {
                 folders.push(path);

@@ -54,10 +54,10 @@ const THINGS: [&str; 42] = [
     "unaligned",
 ];
 
-/// More files with a number are a sequence, whatever stands before it.
+/// More files with a number are a sequence, with any text before it.
 const MAX_LEVELS: usize = 8;
 
-/// Returns true if the names of `files` are those of different things.
+/// Returns true if the names of `files` denote different things.
 pub(super) fn are_different_things(files: &[PathBuf]) -> bool {
     let words: Vec<HashSet<String>> = files.iter().map(|file| words_of(&split_name(file).0)).collect();
     let is_common = |word: &str| words.iter().all(|others| others.contains(word));

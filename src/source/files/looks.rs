@@ -72,7 +72,7 @@ impl Looks {
         }
     }
 
-    /// Indices of those of `entries` whose files have changed and rest.
+    /// Indices of `entries` whose files have changed and are no longer changing.
     pub(super) fn changed(&mut self, entries: &[Arc<FrameEntry>]) -> Vec<usize> {
         let newest = entries.len().saturating_sub(NEWEST)..entries.len();
         let older = newest.start;
@@ -161,7 +161,7 @@ pub(super) fn is_quiet(entry: &FrameEntry) -> bool {
 
 fn is_older(path: &Path, min: Duration) -> bool {
     let modified = fs::metadata(path).and_then(|metadata| metadata.modified());
-    // A clock behind that of the file says nothing.
+    // A clock behind the file's says nothing.
     modified.is_ok_and(|at| at.elapsed().is_ok_and(|age| age >= min))
 }
 

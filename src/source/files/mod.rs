@@ -76,7 +76,7 @@ impl Files {
     /// counts the files that were looked at, and may be cancelled.
     ///
     /// Nothing is read but folders and the lists of contents of files that hold many frames. See [`SequenceError`] for
-    /// what can be wrong.
+    /// the possible errors.
     pub fn open(inputs: &[PathBuf], options: &OpenOptions, progress: &Progress) -> Result<Self, SequenceError> {
         let mut known = Known::default();
         let mut found = discover::discover(inputs, options, &mut known, progress)?;

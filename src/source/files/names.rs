@@ -33,7 +33,7 @@ pub(super) struct SplitName {
     pub(super) numbers: Vec<NameNumber>,
 }
 
-/// When a minus in front of digits is a sign.
+/// Rule for a minus in front of digits being a sign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Minus {
     /// At the start of the name and after a separator: `t_-1`.
@@ -137,8 +137,8 @@ fn is_sign_after(before: Option<char>, minus: Minus) -> bool {
     }
 }
 
-/// The name that tells the place of `file` in a sequence: its stem, or that of its folder where each file is in a
-/// folder of its own.
+/// The name that determines the place of `file` in a sequence: its stem, or its folder's if each file is in a folder of
+/// its own.
 pub(super) fn telling_name(file: &Path, is_folder_per_frame: bool) -> String {
     if is_folder_per_frame {
         let folder = file.parent().and_then(Path::file_name).unwrap_or(OsStr::new(""));

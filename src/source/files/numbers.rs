@@ -4,8 +4,8 @@ use crate::natural::{NamePiece, Runs, split_name};
 use crate::source::FrameEntry;
 use std::path::Path;
 
-/// Gives every entry the number in its name that counts the frames: the last run of digits that every name has and
-/// that grows from each name to the next. Without such a run nobody gets a number; a single file gets its last run.
+/// Gives every entry the number in its name that counts the frames: the last run of digits that every name has and that
+/// grows from each name to the next. Without such a run there are no numbers; a single file gets its last run.
 pub(in crate::source) fn number(entries: &mut [FrameEntry]) {
     let of_names = |entry: &FrameEntry| numbers_in(&split_name(Path::new(&entry.name)).0);
     // If each frame has its own folder, the number of the folder.

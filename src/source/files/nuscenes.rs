@@ -12,7 +12,7 @@ use std::fs;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-/// Tables of the whole data set are larger: they would take longer to read than anybody waits.
+/// Tables of the whole data set are larger: they would take too long to read.
 const MAX_TABLE_BYTES: u64 = 256 << 20;
 
 #[derive(Deserialize)]

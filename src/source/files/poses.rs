@@ -3,9 +3,9 @@
 //! **How it works.** Lists are found by name in the folder of the frames and those above it, as KITTI (`poses.txt`,
 //! `../../poses/00.txt`), `SemanticKITTI`, SLAM programs (`optimized_poses.txt`, `pose.json`, TUM trajectories) and
 //! `hdl_graph_slam` (`data` in each folder) write them. A list is used if it has poses for at least half of the frames.
-//! Poses of KITTI's odometry are those of the left camera: with `Tr` of `calib.txt`, from LiDAR to camera, they become
-//! those of the LiDAR, and its axes stay (Geiger et al. 2012). KITTI's raw recordings have positions of a GPS with an
-//! inertial unit instead ([`super::oxts`]).
+//! Poses of KITTI's odometry belong to the left camera: with `Tr` of `calib.txt`, from LiDAR to camera, they become the
+//! LiDAR's, and its axes stay (Geiger et al. 2012). KITTI's raw recordings have positions of a GPS with an inertial
+//! unit instead ([`super::oxts`]).
 
 use super::registered::are_registered;
 use super::{nuscenes, oxts};
@@ -49,13 +49,13 @@ const LISTS: [&str; 22] = [
 /// Folders with a file of a pose per frame.
 const FOLDERS: [&str; 6] = ["poses", "pose", "Poses", "Pose", "odom", "trajectory"];
 
-/// Poses of frames, and what was found out about lists of them.
+/// Poses of frames, and the findings about lists of them.
 #[derive(Debug, Default)]
 pub(super) struct FoundPoses {
     pub(super) assumption: Option<Assumption>,
     /// Lists and calibrations that were used.
     pub(super) used: Vec<PathBuf>,
-    /// Times of the frames, where those of the list are the only ones.
+    /// Times of the frames, if only the list has times.
     pub(super) times: Option<(Vec<Duration>, PathBuf)>,
     /// Sentences about lists that were not, and frames without a pose.
     pub(super) notes: Vec<String>,
@@ -64,8 +64,8 @@ pub(super) struct FoundPoses {
 /// Poses of all frames, in their order.
 type Poses = Vec<Option<DAffine3>>;
 
-/// Gives `entries` their poses: those in the file `given`, none for [`NO_POSES`], those of a list in `folders` if
-/// nothing is given.
+/// Gives `entries` their poses: from the file `given`, none for [`NO_POSES`], or from a list in `folders` if nothing is
+/// given.
 ///
 /// # Errors
 /// If the file that is given cannot be read, or has poses for less than half of the frames.
@@ -119,7 +119,7 @@ pub(super) fn place(
             *pose
         };
     }
-    // What the user says is not an assumption.
+    // A user's statement is not an assumption.
     if given.is_some() {
         return Ok(found);
     }
@@ -188,7 +188,7 @@ fn find(entries: &[FrameEntry], folders: &[PathBuf], found: &mut FoundPoses) -> 
     })
 }
 
-/// Poses of the LiDAR if `poses` are those of KITTI's camera and a calibration is in one of `folders`.
+/// Poses of the LiDAR if `poses` belong to KITTI's camera and a calibration is in one of `folders`.
 fn in_sensor_axes(poses: Poses, list: &Path, folders: &[PathBuf], used: &mut Vec<PathBuf>) -> (Poses, String) {
     used.push(list.to_owned());
     let has_rows_of_kitti = || {
@@ -225,7 +225,7 @@ fn camera_from_lidar(calibration: &Path) -> Option<DAffine3> {
     })
 }
 
-/// Files in `folder` whose names say that they are poses.
+/// Files in `folder` whose names mark them as poses.
 fn lists_in(folder: &Path) -> Vec<PathBuf> {
     const WORDS: [&str; 5] = ["pose", "traj", "odom", "groundtruth", "ground_truth"];
     const EXTENSIONS: [&str; 8] = ["txt", "csv", "tum", "json", "npy", "npz", "log", "g2o"];
@@ -280,7 +280,7 @@ fn read_list(list: &Path, entries: &[FrameEntry]) -> Result<(Poses, Option<Vec<D
     Ok((poses, times))
 }
 
-/// Rows of `x y z` with a quaternion whose order no header says.
+/// Rows of `x y z` with a quaternion whose order no header states.
 fn of_rows(rows: &[Vec<f64>]) -> Option<Result<Trajectory, String>> {
     let width = rows.first()?.len();
     if !rows.iter().all(|row| row.len() == width) {
@@ -292,8 +292,7 @@ fn of_rows(rows: &[Vec<f64>]) -> Option<Result<Trajectory, String>> {
     }
 }
 
-/// `x y z` and a quaternion of which the first pose tells whether `w` is first (HBA, BALM) or last: it is hardly
-/// turned.
+/// `x y z` and a quaternion whose first pose determines if `w` is first (HBA, BALM) or last: it is hardly turned.
 fn of_quaternions(rows: &[Vec<f64>]) -> Result<Trajectory, String> {
     const MIN_W: f64 = 0.9;
     let first = &rows[0];

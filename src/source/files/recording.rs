@@ -1,4 +1,4 @@
-//! Recordings with several topics of point clouds, of which one is the sequence.
+//! Recordings with several topics of point clouds, one of which is the sequence.
 
 use crate::io::Topic;
 use std::collections::BTreeMap;
@@ -28,7 +28,7 @@ pub(in crate::source) fn topics_of(recordings: &[Recording]) -> Vec<Topic> {
     by_name.into_values().collect()
 }
 
-/// Warns about the point clouds that are skipped because nobody chose one.
+/// Warns about the point clouds that are skipped because none was chosen.
 pub(super) fn warn_of_unread(recordings: &[Recording]) {
     for Recording { path, topics } in recordings {
         let names = |is_read: bool| -> Vec<&str> {

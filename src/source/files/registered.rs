@@ -22,10 +22,10 @@ const MIN_POINTS: usize = 64;
 /// Larger files are not read for this, unless some of their points can be read alone.
 const MAX_BYTES: u64 = 64 << 20;
 
-/// The way between two frames that are compared, as a share of the median distance of points from their centre.
+/// The displacement between two compared frames, as a share of the median distance of points from their centre.
 const MIN_WAY: f64 = 0.1;
 
-/// Poses are wrong if so many more points meet without them.
+/// Poses are wrong if this many more points meet without them.
 const MARGIN: f64 = 0.1;
 
 /// Returns true if the frames are already registered: they overlap better without their `poses` than with them.

@@ -5,8 +5,8 @@
 //! series of more than twice the files. Within the remaining tier, files whose names differ only in their numbers form
 //! a *series*. One series is the sequence, and a few other files next to it are skipped. Two series of similar size are
 //! two sequences (two persons, two cameras), which are never played one after the other: the choices are returned to
-//! the caller. Names that form no series are frames in the order of their names, which is reported, unless they are
-//! those of different things, as `before` and `after` are (`kinds.rs`): those are choices too.
+//! the caller. Names that form no series are frames in the order of their names, which is reported, unless they denote
+//! different things, as `before` and `after` do (`kinds.rs`): those are choices too.
 
 use super::kinds;
 use super::names::{Minus, SplitName, is_folder_per_frame, telling_name};
@@ -19,13 +19,13 @@ use std::path::{Path, PathBuf};
 /// A series of at least this share of another is a sequence of its own.
 const MIN_SHARE: f64 = 0.1;
 
-/// Single files are skipped next to a series that is so many times larger.
+/// Single files are skipped next to a series that is this many times larger.
 const MIN_SERIES_PER_SINGLE: usize = 2;
 
-/// Names with more different texts are no series, but names that happen to be alike.
+/// Names with more different texts are not a series, but happen to be alike.
 const MAX_SERIES: usize = 12;
 
-/// A series of a lower tier is the sequence if it has so many times the files.
+/// A series of a lower tier is the sequence if it has this many times the files.
 const MAJORITY: usize = 2;
 
 /// Reliability of an extension, best first.
@@ -243,7 +243,7 @@ fn of_one_series(files: Vec<PathBuf>) -> Result<(Vec<PathBuf>, Vec<PathBuf>), Ve
     Ok((frames, skipped))
 }
 
-/// Files that are no series: a question where their names say that they are different things.
+/// Files that are not a series: a question if their names denote different things.
 fn alone(files: Vec<PathBuf>) -> Result<(Vec<PathBuf>, Vec<PathBuf>), Vec<OpeningChoice>> {
     let is_question = files.len() > 1 && files.len() <= MAX_SERIES;
     if !is_question || !(kinds::are_different_things(&files) || kinds::are_levels(&files)) {
@@ -253,7 +253,7 @@ fn alone(files: Vec<PathBuf>) -> Result<(Vec<PathBuf>, Vec<PathBuf>), Vec<Openin
     Err(choices.collect())
 }
 
-/// Splits the files into those kept and the face arrays of a mesh whose vertices are in companion files.
+/// Splits the files into those retained and the face arrays of a mesh whose vertices are in companion files.
 fn without_faces(files: Vec<PathBuf>) -> (Vec<PathBuf>, Vec<PathBuf>) {
     const VERTICES: [&str; 7] = ["v", "verts", "vertices", "points", "xyz", "coords", "positions"];
     const FACES: [&str; 9] = [

@@ -1,4 +1,4 @@
-//! Times of frames, in order of precedence: those of their files, of their names, of a list next to them, and decimals
+//! Times of frames, in order of precedence: from their files, from their names, from a list next to them, and decimals
 //! in their names.
 
 use super::names::{decimals_of, is_folder_per_frame, telling_name};
@@ -13,7 +13,7 @@ use std::time::Duration;
 /// A list for a million scans is not as long.
 const MAX_LIST_BYTES: u64 = 64 << 20;
 
-/// Times of frames, and what was found out about lists of them.
+/// Times of frames, and the findings about lists of them.
 #[derive(Debug, Default)]
 pub(super) struct FoundTimes {
     pub(super) assumption: Option<Assumption>,
@@ -139,7 +139,7 @@ fn lists_in(folder: &Path) -> Vec<PathBuf> {
     lists
 }
 
-/// The times in a list, and a sentence about those that it does not tell.
+/// The times in a list, and a sentence about those missing from it.
 fn read_list(path: &Path) -> Result<(Vec<Duration>, Option<String>), String> {
     let metadata = fs::metadata(path).map_err(|error| error.to_string())?;
     if !metadata.is_file() || metadata.len() > MAX_LIST_BYTES {

@@ -1,9 +1,9 @@
-//! Fields of an answer that tell of the file.
+//! Fields of an answer that describe the file.
 
 use std::ops::Range;
 use ureq::http::{HeaderMap, header};
 
-/// The bytes that are sent and the length of the file, of `bytes 0-99/1234`; `None` for what cannot be.
+/// The bytes that are sent and the length of the file, of `bytes 0-99/1234`; `None` if invalid.
 pub(super) fn content_range(headers: &HeaderMap) -> Option<(Range<u64>, u64)> {
     let range = headers.get(header::CONTENT_RANGE)?.to_str().ok()?;
     let (part, whole) = range.strip_prefix("bytes ")?.split_once('/')?;
@@ -13,7 +13,7 @@ pub(super) fn content_range(headers: &HeaderMap) -> Option<(Range<u64>, u64)> {
     (first <= last && last < whole).then(|| (first..last + 1, whole))
 }
 
-/// By which a file is known to be the same one.
+/// The version tag that identifies an unchanged file.
 pub(super) fn version_of(headers: &HeaderMap) -> Option<String> {
     let header = headers.get(header::ETAG).or(headers.get(header::LAST_MODIFIED))?;
     header.to_str().ok().map(str::to_owned)

@@ -1,14 +1,14 @@
-//! A file on a web server, of which ranges are read: any server of plain files will do.
+//! A file on a web server, read in ranges: any server of plain files will do.
 //!
-//! **How it works.** What is read is asked for by `Range` (RFC 9110 §14), over connections that stay open. Small pieces
-//! come from blocks that are kept, since an index and the directories of groups are read in many. A connection that
-//! breaks is opened again where it broke, with growing pauses; a server that answers wrongly is an error at once. A
-//! file that is another one meanwhile, by its tag or its date, is an error too. Redirections are followed when the file
-//! is opened, and not again.
+//! **How it works.** Data is requested by `Range` (RFC 9110 §14), over connections that stay open. Small pieces come
+//! from cached blocks, since an index and the directories of groups are read in many. A connection that breaks is
+//! resumed at that position, with growing pauses; a server that answers wrongly is an error at once. A file that is
+//! another one meanwhile, by its tag or its date, is an error too. Redirections are followed when the file is opened,
+//! and not again.
 //!
-//! **Bounds.** No more is read than was asked for, whatever the server sends, and no faster than is allowed
-//! ([`pace`]). Blocks take [`MAX_BLOCKS`] times [`BLOCK_BYTES`]. What comes more slowly than
-//! [`ClientDeadlines::transfer`] allows is an error, however often a server begins again or says a byte.
+//! **Bounds.** No more is read than was requested, whatever the server sends, and no faster than is allowed ([`pace`]).
+//! Blocks take [`MAX_BLOCKS`] times [`BLOCK_BYTES`]. A transfer slower than [`ClientDeadlines::transfer`] allows is an
+//! error, however often a server begins again or sends a byte.
 
 mod answer;
 mod pace;
@@ -35,7 +35,7 @@ use ureq::http::{Response, StatusCode, header};
 /// Pieces up to this size come from blocks.
 const BLOCK_BYTES: u64 = 1 << 16;
 
-/// Blocks that are kept.
+/// Number of cached blocks.
 const MAX_BLOCKS: usize = 64;
 
 /// Before a read is tried again: the first pause, which doubles up to the longest.
@@ -55,7 +55,7 @@ pub(super) struct HttpFile {
     /// The address that redirections have led to.
     url: String,
     len: u64,
-    /// By which the file is known to be the same one.
+    /// The version tag that identifies the unchanged file.
     version: Option<String>,
     pace: BytePace,
     deadlines: ClientDeadlines,
@@ -71,16 +71,16 @@ impl std::fmt::Debug for HttpFile {
     }
 }
 
-/// Why an answer is of no use.
+/// Reasons why an answer is of no use.
 enum Failure {
-    /// It may be better the next time.
+    /// A failure that may be gone the next time.
     Broken(io::Error),
-    /// It will not.
+    /// A permanent failure.
     Refused(io::Error),
 }
 
 impl HttpFile {
-    /// Asks for the size of the file at `url`, which is read with at most so many bits per second.
+    /// Requests the size of the file at `url`, which is read with at most this many bits per second.
     ///
     /// # Errors
     /// No such file, no answer within `deadlines`, and servers that do not answer ranges.

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 /// Rate limit in bytes per second, shared by all readers.
 pub(super) struct BytePace {
     bytes_per_s: Option<f64>,
-    /// When what was read so far is paid for.
+    /// Time at which the bytes read so far are within the rate.
     paid: Mutex<Option<Instant>>,
 }
 

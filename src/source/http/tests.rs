@@ -8,7 +8,7 @@ use std::net::{TcpListener, TcpStream};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// What a server does with a connection.
+/// Behaviour of a server on a connection.
 type AnswerOf = fn(&mut TcpStream);
 
 const LONG: Duration = Duration::from_secs(30);
@@ -24,8 +24,8 @@ fn deadlines() -> ClientDeadlines {
     }
 }
 
-/// Answers each request as `answer` does, which is given the stream, the range that is asked for and the number of the
-/// request; says where.
+/// Answers each request as `answer` does, which is given the stream, the requested range and the number of the request;
+/// returns its address.
 fn hostile(answer: impl Fn(&mut TcpStream, &str, usize) + Send + Sync + 'static) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let url = format!("http://{}/a.reel", listener.local_addr().unwrap());
@@ -55,7 +55,7 @@ fn hostile(answer: impl Fn(&mut TcpStream, &str, usize) + Send + Sync + 'static)
     url
 }
 
-/// Says `bytes` and then nothing, for as long as the client is there.
+/// Sends `bytes` and then nothing, for as long as the client is there.
 fn say_and_wait(stream: &mut TcpStream, bytes: &[u8]) {
     let _ = stream.write_all(bytes);
     let _ = stream.set_read_timeout(Some(LONG));
@@ -69,7 +69,7 @@ fn drip(stream: &mut TcpStream) {
     }
 }
 
-/// The part that is asked for of a file of `whole` bytes, with its head.
+/// The requested part of a file of `whole` bytes, with its head.
 fn head(range: &str, whole: u64) -> String {
     let (first, last) = range.split_once('-').unwrap();
     let count = last.parse::<u64>().unwrap() - first.parse::<u64>().unwrap() + 1;
@@ -149,7 +149,7 @@ fn invalid_responses_are_distinguished() {
     }
 }
 
-/// A file whose size is told, and whose bytes come as `answer` sends them.
+/// A file of known size, whose bytes come as `answer` sends them.
 fn opened(answer: impl Fn(&mut TcpStream, &str, usize) + Send + Sync + 'static) -> HttpFile {
     let url = hostile(move |stream, range, number| match range {
         "0-0" => {

@@ -16,12 +16,12 @@ pub(super) struct Transfer<'a> {
     paused: Duration,
     /// Bytes that have come.
     came: u64,
-    /// When the last of them did, without pauses.
+    /// Time when the last of them came, without pauses.
     last: Duration,
 }
 
 impl<'a> Transfer<'a> {
-    /// From now on `what` of the file at `url` is waited for.
+    /// Starts waiting for `what` of the file at `url`.
     pub(super) fn new(url: &'a str, what: String, min: MinRate) -> Self {
         Self {
             url,
@@ -34,7 +34,7 @@ impl<'a> Transfer<'a> {
         }
     }
 
-    /// So many bytes more have come; `pause` waits until more are wanted.
+    /// Records this many more bytes; `pause` waits until more are wanted.
     pub(super) fn came(&mut self, count: usize, pause: impl FnOnce()) {
         self.came += count as u64;
         self.last = self.waited();
@@ -57,7 +57,7 @@ impl<'a> Transfer<'a> {
         Some(of_all.min(of_next))
     }
 
-    /// Why it is not waited for any more; `error` is what went wrong last.
+    /// The reason for giving up; `error` is the last failure.
     pub(super) fn too_slow(&self, error: &io::Error) -> io::Error {
         let text = format!(
             "waited {:.0} seconds for {}: {} bytes came, expected at least {:.0} per second ({error}): check \

@@ -9,7 +9,7 @@ pub(super) const SCHEME: Name = Name::Scheme("tcp://");
 /// `HOST:PORT` of `input`; this machine where no host is named.
 ///
 /// # Errors
-/// What is wrong, as the end of a sentence.
+/// The fault, as the end of a sentence.
 pub(super) fn parse(input: &Path) -> Result<String, String> {
     let address = SCHEME.address(input).unwrap_or_default().trim_end_matches('/');
     let wrong = || {

@@ -1,7 +1,7 @@
 //! Clock offset between the server and this machine.
 //!
-//! The round trip of a ping yields the offset of the clocks up to half of its duration, whatever the clocks show (Mills
-//! 1991). The fastest of the last pings is trusted: the others waited somewhere, mostly in one direction.
+//! The round trip of a ping yields the offset of the clocks up to half of its duration, for any clocks (Mills 1991).
+//! The fastest of the last pings is trusted: the others waited somewhere, mostly in one direction.
 
 use crate::wire::Pong;
 use std::collections::VecDeque;
@@ -20,7 +20,7 @@ pub(super) struct ClockDifference {
 struct Measured {
     /// To be added to our clock to have the server's, ns.
     server_ahead_ns: i128,
-    /// Time on the way there and back, ns.
+    /// Round-trip time, ns.
     way_ns: u64,
 }
 
@@ -70,7 +70,7 @@ mod tests {
         clock.add(pong, 145);
         // Half of 40 may be wrong: the estimate is 990 instead of 1000.
         assert_eq!(clock.since_s(1145, 145), Some((-10e-9, 20e-9)));
-        // Both ways take 2.
+        // Both directions take 2.
         clock.add(
             Pong {
                 client_ns: 200,
@@ -102,7 +102,7 @@ mod tests {
     }
 
     proptest! {
-        /// The truth is within the bound that is told, for any clocks and any ways.
+        /// The truth is within the reported bound, for any clocks and any delays.
         #[test]
         fn the_error_bound_holds(
             ahead in -1_000_000_000i64..1_000_000_000,

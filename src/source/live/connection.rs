@@ -1,8 +1,8 @@
-//! The thread that is connected: reads what comes, and connects again where nothing comes any more.
+//! The connected thread: reads messages, and reconnects when no more arrive.
 //!
-//! A server that is not there is tried again after a tenth of a second, then after twice as long each time, up to five
-//! seconds. One that says nothing for [`ClientDeadlines::silence`] counts as gone, as servers say what time it is once
-//! per second; so does one whose message comes more slowly than [`ClientDeadlines::transfer`] allows.
+//! An absent server is tried again after a tenth of a second, then after twice as long each time, up to five seconds.
+//! One that sends nothing for [`ClientDeadlines::silence`] counts as gone, as servers send their time once per second;
+//! so does one whose message comes more slowly than [`ClientDeadlines::transfer`] allows.
 
 use super::shared::Shared;
 use crate::deadlines::ClientDeadlines;
@@ -14,7 +14,7 @@ use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Between looks at whether anybody listens still.
+/// Interval of checks for remaining listeners.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Between pings.
@@ -70,7 +70,7 @@ fn connect(address: &str, deadlines: &ClientDeadlines) -> Result<TcpStream, Stri
 /// Uninhabited type: never returned.
 enum Never {}
 
-/// Takes what comes until that is over.
+/// Takes messages until they end.
 fn follow(
     shared: &Shared,
     stream: &TcpStream,
@@ -122,16 +122,16 @@ fn say(mut stream: &TcpStream, bytes: &[u8]) -> Result<(), WireError> {
     stream.write_all(bytes).map_err(WireError::Io)
 }
 
-/// Reads as long as the source is wanted and the server says something. Asks it from time to time what time it is, and
-/// tells it what is looked at.
+/// Reads as long as the source is wanted and the server sends something. Requests its time at intervals, and sends it
+/// the view.
 struct Patient<'a> {
     stream: &'a TcpStream,
     shared: &'a Shared,
     deadlines: &'a ClientDeadlines,
     heard: Instant,
-    /// When the first bytes of the message came that is being read, and how many have come.
+    /// Time when the first bytes of the message being read came, and the number of bytes so far.
     message: Option<(Instant, u64)>,
-    /// When it was asked last; `None` while it is not to be asked.
+    /// Time of the last ping; `None` while none is to be sent.
     pinged: Option<Instant>,
 }
 

@@ -101,7 +101,7 @@ struct Walked {
     head: StreamHead,
     /// Offset, head and time of each frame.
     frames: Vec<(u64, FrameHead, Duration)>,
-    /// Why the walk has ended before the end of the file, and where.
+    /// The position and the reason, if the walk ended before the end of the file.
     damage: Option<(u64, WireError)>,
 }
 

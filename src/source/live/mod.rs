@@ -1,10 +1,10 @@
-//! A live stream over TCP (`tcp://HOST:PORT`), as `pointreel serve --live` sends it, and what was recorded of one.
+//! A live stream over TCP (`tcp://HOST:PORT`), as `pointreel serve --live` sends it, and recordings of one.
 //!
 //! **How it works.** One thread is connected, reads messages ([`crate::wire`]) and puts frames into a ring as they
-//! came; images and points are unpacked by whoever wants the frame. The ring has the newest seconds, and no more than
-//! so many bytes: what is older is gone for good. A connection that breaks, or says nothing for
-//! [`ClientDeadlines::silence`](crate::deadlines::ClientDeadlines::silence), is made again by itself. What arrives can
-//! be written to a file on the way; it has the bytes of the stream.
+//! came; images and points are unpacked when the frame is requested. The ring has the newest seconds, up to a number of
+//! bytes: older frames are gone for good. A connection that breaks, or is silent for
+//! [`ClientDeadlines::silence`](crate::deadlines::ClientDeadlines::silence), is re-established automatically. The
+//! stream can be written to a file as it arrives; the file has the bytes of the stream.
 
 mod address;
 mod clock;

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 /// Sliding window of the rate: older data does not count.
 const WINDOW: Duration = Duration::from_secs(2);
 
-/// Entries that are kept: more come only from streams of tiny frames, whose rate is then that of a shorter time.
+/// Maximum number of entries: more come only from streams of tiny frames, whose rate then covers a shorter time.
 const MAX_ENTRIES: usize = 1024;
 
 /// Data rate received recently.
@@ -16,7 +16,7 @@ pub(super) struct Rate {
 }
 
 impl Rate {
-    /// So many bytes of a frame have come.
+    /// Records received bytes of a frame.
     pub(super) fn add(&mut self, now: Instant, bytes: usize) {
         if self.came.len() == MAX_ENTRIES {
             self.came.pop_front();

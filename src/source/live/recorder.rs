@@ -1,8 +1,8 @@
 //! Recorder that writes incoming data to a file.
 //!
 //! The file gets its name with its first frame, so that an existing recording is not lost to a stream that sends
-//! nothing. From then on it is a valid recording at any time: each frame is handed to the system at once, and whatever
-//! ends the program leaves the frames before.
+//! nothing. From then on it is a valid recording at any time: each frame is handed to the system at once, and any end
+//! of the program leaves the frames before.
 //!
 //! The file has the bytes of the stream: a head, and the messages that are frames. So nothing is unpacked, packed or
 //! lost on the way, filters can be chosen later, and a truncated recording is read up to its end. A sequence file
@@ -23,7 +23,7 @@ pub(super) fn is_recording(path: &Path) -> bool {
     read.is_ok() && begin == MAGIC
 }
 
-/// Summary of what was recorded.
+/// Summary of the recording.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StreamRecording {
     /// The file.
@@ -83,7 +83,7 @@ impl Recorder {
         &self.written
     }
 
-    /// Writes what is left. Without a frame it takes no other recording's place.
+    /// Writes the rest. Without a frame it replaces no other recording.
     pub(super) fn finish(mut self) -> io::Result<StreamRecording> {
         self.file.flush()?;
         if let Some(hidden) = self.hidden.take()

@@ -17,21 +17,21 @@ use std::time::{Duration, Instant};
 #[derive(Debug)]
 pub(super) struct Shared {
     pub(super) ring: Ring,
-    /// True if nobody wants frames any more.
+    /// True if frames are no longer wanted.
     pub(super) is_closed: AtomicBool,
     /// Epoch of the local clock.
     begun: Instant,
     pub(super) link: Mutex<Link>,
     /// Current view, and a flag that is true if it has yet to be sent to the server.
     view: Mutex<(Option<View>, bool)>,
-    /// A disk that is slow keeps the thread that is connected, and nobody who asks how it is doing.
+    /// A slow disk blocks the connected thread, but not status queries.
     pub(super) recorder: Mutex<Option<Recorder>>,
 }
 
 /// The connection, as others see it.
 #[derive(Debug, Default)]
 pub(super) struct Link {
-    /// Why there is no connection, and whether another one would not help.
+    /// The reason why there is no connection, and true if another one would not help.
     pub(super) problem: Option<(String, bool)>,
     /// Head of the stream that was connected last.
     pub(super) head: Option<StreamHead>,
@@ -81,7 +81,7 @@ impl Shared {
         link.connections += 1;
         link.problem = None;
         drop(link);
-        // The new server has not been told the view yet.
+        // The new server has not received the view yet.
         let mut view = lock(&self.view);
         view.1 = view.0.is_some();
     }
@@ -111,7 +111,7 @@ impl Shared {
         lock(&self.link).clock.add(pong, now_ns);
     }
 
-    /// Takes a frame; says its number. `message` is its message, which is recorded.
+    /// Takes a frame; returns its number. `message` is its message, which is recorded.
     pub(super) fn frame(&self, message: Message) -> Result<Option<u64>, WireError> {
         let now = Instant::now();
         if message.kind.is_frame() {
@@ -156,7 +156,7 @@ impl Shared {
         Ok(Some(head.number))
     }
 
-    /// Says what is written by now. A file that cannot be written is closed, so that it is said once.
+    /// Reports the bytes written so far. A file that cannot be written is closed, so that this is reported once.
     fn record(&self, message: &Message) -> Result<Option<StreamRecording>, String> {
         let mut recorder = lock(&self.recorder);
         let Some(writing) = recorder.as_mut().filter(|_| message.kind.is_frame()) else {

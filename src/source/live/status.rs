@@ -13,21 +13,20 @@ pub trait Live: Send + Sync {
     /// gone.
     fn frames_behind(&self, shown: usize) -> Option<u64>;
 
-    /// Says what is looked at. A stream that was opened for the points that are seen is sent these from then on; others
-    /// do not care.
+    /// Sets the view. A stream that was opened for visible points is sent these from then on; others ignore it.
     fn look_from(&self, view: View);
 
-    /// Writes what arrives from now on to a new file at `path`, which replaces another one there. What was being
-    /// recorded before is finished.
+    /// Writes messages that arrive from now on to a new file at `path`, which replaces another one there. An earlier
+    /// recording is finished.
     ///
     /// # Errors
-    /// Why the file cannot be written, in a sentence.
+    /// The reason why the file cannot be written, in a sentence.
     fn start_recording(&self, path: &Path) -> Result<(), String>;
 
-    /// Ends the recording, and says what it has.
+    /// Ends the recording, and returns its summary.
     ///
     /// # Errors
-    /// Why its end could not be written, in a sentence.
+    /// The reason why its end could not be written, in a sentence.
     fn stop_recording(&self) -> Result<Option<StreamRecording>, String>;
 }
 
@@ -63,8 +62,8 @@ pub struct LiveStatus {
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum LiveState {
-    /// It is.
+    /// The stream is connected.
     Connected,
-    /// It is not, for this reason, and is tried again.
+    /// The stream is not connected, for this reason, and is tried again.
     Reconnecting(String),
 }

@@ -26,10 +26,10 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Seconds that can be gone back where nobody says how many.
+/// Default number of seconds for rewinding.
 const USUAL_SECONDS: f64 = 10.0;
 
-/// Between looks at whether the first frame has come.
+/// Interval of checks for the first frame.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// A live stream over TCP.
@@ -42,11 +42,11 @@ pub struct LiveStream {
     received: Arc<ReceivedFrames>,
     max_bytes: u64,
     is_of_surfels: bool,
-    /// Frames that were told of.
+    /// Frames that were reported.
     told: Mutex<usize>,
 }
 
-/// The connection is kept as long as somebody has this.
+/// The connection stays open as long as this exists.
 #[derive(Debug)]
 struct Wanted {
     shared: Arc<Shared>,
@@ -74,7 +74,7 @@ impl LiveStream {
         Self::open_within(input, options, progress, ClientDeadlines::default())
     }
 
-    /// [`LiveStream::open`] where the server is waited for as long as `deadlines` say.
+    /// [`LiveStream::open`] with these `deadlines` for the server.
     ///
     /// # Errors
     /// As of [`LiveStream::open`].

@@ -8,21 +8,21 @@ use std::time::Duration;
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ConnectionChange {
-    /// It has broken, for this reason.
+    /// The connection has broken, for this reason.
     Broken(String),
-    /// It is there again.
+    /// The connection is there again.
     Back {
         /// Duration of the disconnection; `None` if it was shorter than the interval between two checks.
         away: Option<Duration>,
     },
 }
 
-/// Looks at how a stream is doing, and says each change once.
+/// Watches the state of a stream, and reports each change once.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ConnectionWatch {
-    /// When it was seen to be broken.
+    /// Time when it was found broken.
     broken: Option<Duration>,
-    /// `None` before the first look: what was before does not count.
+    /// `None` before the first check: earlier changes do not count.
     reconnects: Option<u64>,
 }
 

@@ -83,7 +83,7 @@ fn times_of(entries: &[FrameEntry]) -> Vec<Option<Duration>> {
     times_of_names(&names)
 }
 
-/// Returns the time steps of cameras, each of which is sorted by its clock.
+/// Returns the time steps of cameras, each sorted by its clock.
 pub(super) fn together(cameras: &[Vec<Timed>]) -> Vec<Together> {
     let max_apart = 0.5 * usual_step(cameras.iter().map(Vec::as_slice));
     let mut all: Vec<(f64, usize, usize)> = cameras

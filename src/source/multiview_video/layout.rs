@@ -7,8 +7,8 @@
 //!   need
 //!   no calibration above them.
 //!
-//! *What is none of these.* A calibration that names several images of a folder is one of a camera that moved around
-//! one scene. If the images that it names are next to the numbered folders, these are copies of them (`images_4`).
+//! *None of these.* A calibration that names several images of a folder is one of a camera that moved around one scene.
+//! If the images that it names are next to the numbered folders, these are copies of them (`images_4`).
 
 use super::clock::{Timed, timed, together};
 use crate::natural::natural_order;
@@ -161,7 +161,7 @@ impl Family {
     }
 }
 
-/// A folder of its own for each of `names`: that of the image, the last part of that, or one of the name itself.
+/// A separate folder for each of `names`: the folder of the image, its last part, or one named like the image.
 fn cameras_in(bases: &[PathBuf], names: &[String]) -> Option<Layout> {
     let named: [fn(&str) -> &str; 3] = [
         |name| name.rsplit_once('/').map_or("", |(parent, _)| parent),

@@ -1,10 +1,10 @@
 //! Multi-view video: a sequence in which every frame is a set of calibrated images from several cameras.
 //!
 //! How it works. A calibration names cameras, folders hold their images (`layout.rs`), and the clock in the names
-//! determines which belong together (`clock.rs`). Each time step is a set of its own, examined when somebody asks for
-//! it. Its points are those of a file of that time step, otherwise they are computed by stereo; those of the
-//! calibration belong to the time step that was calibrated. A camera that has no image of a time step is missing from
-//! that one alone, and a warning is issued.
+//! determines which belong together (`clock.rs`). Each time step is a set of its own, examined on request. Its points
+//! come from a file of that time step, otherwise from stereo; the points of the calibration belong to the time step
+//! that was calibrated. A camera that has no image of a time step is missing from that one alone, and a warning is
+//! issued.
 //!
 //! Folders are checked again. A time step is accepted once all cameras have it, or once nothing came for some time.
 
@@ -34,7 +34,7 @@ use std::time::Duration;
 const POINT_FOLDERS: &[&str] = &["points", "pointclouds", "point_clouds", "clouds", "ply", "pcd"];
 
 /// Longest side, in pixels, of images used for plane sweeping where pairs show nothing: a video frame has to be there
-/// soon. `--dense` uses as many pixels as for a single set.
+/// soon. `--dense` uses the same number of pixels as for a single set.
 const MAX_SIDE_PX: u32 = 320;
 
 /// Multi-view video of a dynamic scene.
@@ -42,7 +42,7 @@ const MAX_SIDE_PX: u32 = 320;
 pub struct MultiviewVideo {
     known: Arc<Known>,
     time_steps: Arc<RwLock<Vec<Arc<TimeStep>>>>,
-    /// Nobody looks twice at once.
+    /// Held so that only one thread examines it.
     looks: Mutex<()>,
     inputs: Vec<PathBuf>,
     options: OpenOptions,
@@ -248,7 +248,7 @@ impl TimeStep {
         }
     }
 
-    /// With the points in a file among its images, else with those of its number.
+    /// With the points in a file among its images, else with the points of its number.
     fn with_points(found: FoundTimeStep, clouds: &[Timed]) -> Self {
         let folder = Some(&found.timed.entry.path).filter(|path| path.is_dir());
         let inside = folder.and_then(|folder| entries_of(folder).into_iter().find(|path| is_cloud(path)));
@@ -327,7 +327,7 @@ impl TimeStep {
         let min = if is_complete { QUIET } else { LATE };
         let is_old = |path: &PathBuf| {
             let modified = std::fs::metadata(path).and_then(|metadata| metadata.modified());
-            // A clock behind that of the file says nothing.
+            // A clock behind the file's says nothing.
             modified.map_or(true, |at| at.elapsed().map_or(true, |age| age >= min))
         };
         files.iter().all(is_old)

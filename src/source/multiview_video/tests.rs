@@ -1,4 +1,4 @@
-//! A ball that moves, filmed by cameras whose every ray is known, written in each layout and read again.
+//! A moving ball, recorded by cameras whose every ray is known, written in each layout and read again.
 
 use super::*;
 use crate::photos;
@@ -18,7 +18,7 @@ struct MultiView {
     step_rad: f64,
     /// Turns all cameras.
     turned_rad: f64,
-    /// From one camera to the next, to the right of the middle of the row.
+    /// From one camera to the next, to the right of the centre of the row.
     shift: f64,
 }
 
@@ -29,7 +29,7 @@ const MULTIVIEW: MultiView = MultiView {
     shift: 0.0,
 };
 
-/// Where the ball is.
+/// Position of the ball.
 fn ball(time_step: usize) -> DVec3 {
     DVec3::new(0.35 * time_step as f64 - 0.3, 0.1, 0.2 * time_step as f64)
 }
@@ -137,7 +137,7 @@ impl MultiView {
         .unwrap();
     }
 
-    /// `transforms.json` of these photographs: name, camera, time.
+    /// `transforms.json` of these images: name, camera, time.
     fn write_transforms(self, path: &Path, photos: &[(String, usize, Option<f64>)]) {
         let frames = photos.iter().map(|(name, camera, time)| {
             let (axes, center) = self.camera(*camera);
@@ -188,7 +188,7 @@ fn decoded(video: &MultiviewVideo, index: usize) -> RawCloud {
     frame.unwrap().cloud
 }
 
-/// The share of points that are on the ball of a moment: half a pixel between neighbours is a depth of 0.08.
+/// The share of points that are on the ball of a time step: half a pixel between neighbours is a depth of 0.08.
 fn share_on_ball(cloud: &RawCloud, time_step: usize) -> f64 {
     let is_on = |at: &usize| {
         let place = cloud.positions.get(*at);
@@ -198,7 +198,7 @@ fn share_on_ball(cloud: &RawCloud, time_step: usize) -> f64 {
     (0..count).filter(is_on).count() as f64 / count as f64
 }
 
-/// Holds poses, photographs and points of all moments against the scene.
+/// Compares poses, images and points of all time steps with the scene.
 fn assert_multiview_videos(video: &MultiviewVideo, multiview: impl Fn(usize) -> MultiView, time_steps: usize) {
     assert_eq!(video.frames(), 0..time_steps);
     for time_step in 0..time_steps {
@@ -330,7 +330,7 @@ fn two_cameras_side_by_side_are_a_multiview_video_too() {
     assert_multiview_videos(&open(folder.path()).unwrap(), |_| pair, 2);
 }
 
-/// Nobody knows at what they look, nor how far away that is.
+/// Their target and its distance are unknown.
 #[test]
 fn parallel_cameras_are_a_multiview_video_too() {
     let folder = tempfile::tempdir().unwrap();
@@ -351,7 +351,7 @@ fn parallel_cameras_are_a_multiview_video_too() {
     assert_multiview_videos(&open(folder.path()).unwrap(), |_| row, 2);
 }
 
-/// Three moments by a folder for each camera.
+/// Three time steps by a folder for each camera.
 fn multiview_by_cameras(folder: &Path) {
     MULTIVIEW.write_par(&folder.join("rig_par.txt"), |camera| format!("cam{camera}.png"));
     for camera in 0..4 {
@@ -382,7 +382,7 @@ fn a_missing_image_is_skipped_with_a_warning() {
         "{warnings}"
     );
     assert!(decoded(&video, 1).warnings.is_empty());
-    // Loading skips what is not there.
+    // Loading skips missing files.
     let loaded = photos::LoadedPhotos::of(&set, 1 << 30, &Progress::default());
     let numbers: Vec<usize> = loaded
         .posed_images

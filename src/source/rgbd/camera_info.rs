@@ -1,4 +1,4 @@
-//! Cameras as messages of ROS tell them: lenses, the part of the image that is sent, and the way from one frame of
+//! Cameras from messages of ROS: lenses, the part of the image that is sent, and the transform from one frame of
 //! reference to another.
 
 use super::calibration::Intrinsics;
@@ -7,8 +7,8 @@ use crate::io::recordings::recording::camera::{CameraInfo, Link};
 use crate::rgbd::Distortion;
 use glam::{DAffine3, DVec2};
 
-/// The camera of images of `topic`, which have `image_px` pixels, if that is known. Names of rectified images say so:
-/// they have the lens of the projection, none.
+/// The camera of images of `topic`, which have `image_px` pixels, if that is known. Names of rectified images show it:
+/// they have the lens of the projection, without distortion.
 pub(super) fn intrinsics(
     topic: &str,
     info: &CameraInfo,
@@ -46,8 +46,9 @@ pub(super) fn intrinsics(
     Ok(windowed(whole, info, image_px))
 }
 
-/// The camera of the part of the image that is sent (`sensor_msgs/CameraInfo`: the matrix is of the whole sensor, whose
-/// pixels a binned image has several of in one). Drivers that send the whole image and tell of a part are not believed.
+/// The camera of the part of the image that is sent (`sensor_msgs/CameraInfo`: the matrix is of the whole sensor,
+/// several of whose pixels are one of a binned image). Drivers that send the whole image but report a part are not
+/// believed.
 fn windowed(whole: Intrinsics, info: &CameraInfo, image_px: Option<[u32; 2]>) -> Intrinsics {
     let window = info.window;
     let part_px = if window.size_px.contains(&0) {
@@ -103,7 +104,7 @@ fn lens(model: &str, coefficients: &[f64]) -> Result<Distortion, String> {
     }
 }
 
-/// From the frame `from` to the frame `to`, by the shortest way over `links`.
+/// From the frame `from` to the frame `to`, by the shortest path over `links`.
 pub(super) fn transform_between(links: &[Link], from: &str, to: &str) -> Option<DAffine3> {
     let mut reached: Vec<(&str, DAffine3)> = vec![(from, DAffine3::IDENTITY)];
     let mut next = 0;
@@ -148,7 +149,7 @@ mod tests {
         }
     }
 
-    /// The middle of a pixel of the image is the middle of the pixels of the sensor that it is made of.
+    /// The centre of a pixel of the image is the centre of the sensor pixels that it is made of.
     #[test]
     fn image_parts_see_what_the_full_image_sees() {
         let window = Window {

@@ -32,11 +32,11 @@ use std::sync::{Arc, Mutex, OnceLock};
 pub(super) struct Recorded {
     frames: Vec<FrameImages>,
     pub(super) code: DepthCode,
-    /// Lookup table from 16-bit values to metres, once it was asked for.
+    /// Lookup table from 16-bit values to metres, once requested.
     table: OnceLock<Option<DepthTable>>,
     sizes: Sizes,
     pub(super) filters: Filters,
-    /// Nobody chose them.
+    /// They are the defaults, not the user's choice.
     filters_are_automatic: bool,
     pub(super) read: ReadOptions,
     /// Edge of the cells in which points are joined where frames are merged, metres.
@@ -47,7 +47,7 @@ pub(super) struct Recorded {
     cameras: Mutex<Vec<Arc<PreparedRig>>>,
 }
 
-/// Cameras with what is worked out of them once.
+/// Cameras with the data computed from them once.
 #[derive(Debug)]
 struct PreparedRig {
     calibration: Arc<Calibration>,
@@ -57,7 +57,7 @@ struct PreparedRig {
     rays: Arc<RayTable>,
 }
 
-/// Fails where an image of this size takes more memory than it may: a few bytes of RVL are as many holes as they like.
+/// Fails where an image of this size takes more memory than it may: a few bytes of RVL can be any number of holes.
 fn check_pixels([width, height]: [u32; 2], path: &Path, options: &ReadOptions) -> Result<(), RgbdError> {
     let bytes = u64::from(width) * u64::from(height) * DEPTH_PIXEL_BYTES;
     if bytes > options.max_memory_bytes {
@@ -200,7 +200,7 @@ impl Recorded {
             return Ok(Arc::clone(known));
         }
         let rig = calibration.rig(depth_px, color_px)?;
-        // Only the colour camera may differ: rays are those of the depth camera.
+        // Only the colour camera may differ: rays belong to the depth camera.
         let same_rays = cameras.iter().find(|known| known.rig.depth == rig.depth);
         let rays = same_rays.map_or_else(|| Arc::new(RayTable::of(&rig.depth)), |known| Arc::clone(&known.rays));
         let prepared = Arc::new(PreparedRig {
@@ -258,7 +258,7 @@ impl Recorded {
         Some(self.depth(self.frames.get(index)?).ok()?.0.report)
     }
 
-    /// Returns true if nobody chose the filters, and there are some.
+    /// Returns true if there are filters and they are the defaults.
     pub(super) fn may_skip_filters(&self) -> bool {
         self.filters_are_automatic && self.filters != Filters::NONE
     }
@@ -401,7 +401,7 @@ impl Recorded {
     }
 }
 
-/// Says which of the usual filters dropped much of an image, and which were not applied.
+/// Reports the default filters that dropped much of an image, and those that were not applied.
 fn said_by_filters(report: &FilterReport, warnings: &mut Vec<String>, assumptions: &mut Vec<Assumption>) {
     let noticeable = report.dropped.iter().filter(|dropped| dropped.share > NOTICEABLE_SHARE);
     for dropped in noticeable {
@@ -444,7 +444,7 @@ fn no_camera(error: NoCamera, path: &Path, found: [u32; 2], calibration: &Calibr
     }
 }
 
-/// The numbers of a `.depth` file, which says nothing of its size.
+/// The numbers of a `.depth` file, which does not state its size.
 fn text_raster(path: &Path, bytes: &[u8], size_px: [u32; 2]) -> Result<Raster, RgbdError> {
     let wrong = |reason: String| RgbdError::Image {
         path: path.to_owned(),

@@ -42,7 +42,7 @@ impl DepthCode {
         is_plain.then_some(self.units_per_metre)
     }
 
-    /// So many units are a metre.
+    /// Units per metre.
     pub(super) fn per_metre(units_per_metre: f64) -> Self {
         Self {
             bits: Bits::Plain,
@@ -60,7 +60,7 @@ impl DepthCode {
         }
     }
 
-    /// Millimetres, of which the three lowest bits are at the top.
+    /// Millimetres, with the three lowest bits at the top.
     pub(super) fn rotated() -> Self {
         Self {
             bits: Bits::Rotated,

@@ -1,10 +1,10 @@
 //! Depth scale estimation: the number of units per metre, estimated from the depth values when no file states it.
 //!
-//! *Evidence.* Depth cameras measure rooms: half of what they see is 0.3 to 6 m away, and next to nothing is farther
-//! than 12 m. Values that are millimetres times five are all multiples of five, which measurements never are by chance
-//! (TUM and those that follow it write 5000 units per metre out of millimetres). Depths of more than that (0 and 65535
-//! are no measurements) decide between millimetres and 5000; the other units in use are named, as nobody can
-//! distinguish them.
+//! *Evidence.* Depth cameras measure rooms: half of their pixels are 0.3 to 6 m away, and next to none farther than 12
+//! m. Values that are millimetres times five are all multiples of five, which measurements never are by chance (TUM and
+//! those that follow it write 5000 units per metre out of millimetres). Depths of more than that (0 and 65535 are not
+//! measurements) decide between millimetres and 5000; the other units in use are named, as they cannot be
+//! distinguished.
 
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::rgbd::is_measured;
@@ -26,17 +26,17 @@ const KNOWN: [f64; 6] = [1000.0, 256.0, 4000.0, 5000.0, 6553.5, 10_000.0];
 /// Share of multiples above which numbers are multiples.
 const ALL: f64 = 0.98;
 
-/// Distinct numbers below which their multiples say nothing.
+/// Distinct numbers below which their multiples are inconclusive.
 const MIN_DISTINCT: usize = 64;
 
 /// Origin of a recording's depth units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Units {
-    /// The format says it, or its code has no others.
+    /// The format states it, or its code has no others.
     Certain,
     /// Recordings of this kind have them, unless the numbers speak against it.
     Usual(&'static str),
-    /// Nothing says it.
+    /// Nothing states it.
     Unknown,
 }
 

@@ -4,7 +4,7 @@ use crate::io::IoError;
 use crate::messages::frames_with_indices;
 use std::path::PathBuf;
 
-/// Why a recording of depth images, or a frame of it, cannot be read.
+/// Reasons why a recording of depth images, or a frame of it, cannot be read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RgbdError {
@@ -60,7 +60,7 @@ pub enum RgbdError {
         /// Underlying error and its location.
         reason: IoError,
     },
-    /// A Matroska file that is no recording of a depth camera, or one that cannot be read.
+    /// A Matroska file that is not a recording of a depth camera, or an unreadable one.
     #[error("{}: {problem}", path.display())]
     Matroska {
         /// The file.
@@ -110,12 +110,12 @@ pub enum RgbdError {
         path: PathBuf,
         /// Its size.
         found: [u32; 2],
-        /// That of the camera.
+        /// The camera's size.
         expected: [u32; 2],
         /// Origin of the value.
         because: String,
     },
-    /// A file of a camera that says none.
+    /// A camera file without a camera.
     #[error(
         "{} does not tell a camera ({reason}): expected fx,fy,cx,cy, a matrix of 3 × 3 or 4 × 4 numbers, lines such as \
          `fx: 525.0`, the JSON of Open3D, Replica or `pointreel info --json`, or the XML of PCL",
@@ -127,7 +127,7 @@ pub enum RgbdError {
         /// Reason for the error.
         reason: String,
     },
-    /// A list or a trajectory with a line that is none.
+    /// A list or a trajectory with an invalid line.
     #[error("{}, line {line}: {reason}", path.display())]
     Line {
         /// The file.
@@ -137,7 +137,7 @@ pub enum RgbdError {
         /// Reason for the error.
         reason: String,
     },
-    /// A trajectory that is none.
+    /// An invalid trajectory.
     #[error(
         "{} is not a trajectory ({reason}): expected lines of TUM (time x y z qx qy qz qw, or no time), blocks of \
          Redwood (.log), columns that a header names (timestamp,tx,ty,tz,qw,qx,qy,qz), matrices of 3 × 4 or 4 × 4 \
@@ -177,14 +177,14 @@ pub enum RgbdError {
         /// The file.
         path: PathBuf,
     },
-    /// Frames that are to be merged without anybody knowing where they were taken.
+    /// Frames to be merged without known poses.
     #[error("{} cannot be merged: {reason}", frames_with_indices(*first, *last))]
     NotMerged {
         /// The first.
         first: usize,
         /// The last.
         last: usize,
-        /// Why not.
+        /// The reason.
         reason: String,
     },
 }

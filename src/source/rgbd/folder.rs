@@ -99,7 +99,7 @@ impl Folder {
     }
 }
 
-/// Returns true if `name` is that of an image file.
+/// Returns true if `name` is an image file's.
 pub(super) fn is_image(name: &str) -> bool {
     has_extension(name, IMAGES)
 }

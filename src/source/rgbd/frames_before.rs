@@ -43,8 +43,8 @@ struct AfterFrame {
 }
 
 impl FramesBefore {
-    /// `depth`, which is that of frame `index`, with the frames before it, which `before` gives. Broken ones among
-    /// these, and those that are gone, are passed over.
+    /// `depth` of frame `index`, with the frames before it, from `before`. Broken and expired ones among these are
+    /// skipped.
     pub(super) fn filtered(
         &mut self,
         temporal: Option<Temporal>,
@@ -97,8 +97,8 @@ impl FramesBefore {
     }
 }
 
-/// The frame from which the filter of frame `index` begins: so far before its group that what is still before it makes
-/// no difference.
+/// The frame from which the filter of frame `index` begins: so far before its group that earlier ones make no
+/// difference.
 fn temporal_begin(temporal: Temporal, index: usize) -> usize {
     (index / GROUP_FRAMES * GROUP_FRAMES).saturating_sub(temporal.lead_frames())
 }

@@ -1,8 +1,8 @@
 //! Accumulation of a point cloud: merging of points from several frames into one cloud.
 //!
-//! How it works: a depth camera sees the same wall in hundreds of frames. All points are kept as long as there are few
-//! enough to be rendered quickly; after that they are voxel-downsampled, with cells that grow whenever there are too
-//! many of them. The mean of many measurements is more accurate than each of them.
+//! How it works: a depth camera sees the same wall in hundreds of frames. All points are retained as long as there are
+//! few enough to be rendered quickly; after that they are voxel-downsampled, with cells that grow whenever there are
+//! too many of them. The mean of many measurements is more accurate than each of them.
 
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::{Cells, LengthUnit, Positions, RawCloud, TooManyCells};
@@ -10,13 +10,13 @@ use crate::messages::frame_by_index;
 use glam::{DAffine3, Vec3};
 use std::fmt;
 
-/// Points up to which all are kept: those of 27 images of 640×480. The software renderer draws them in a second.
+/// Number of points up to which all are retained: 27 images of 640×480. The software renderer draws them in a second.
 // View-dependent texturing looks the same on downsampled points (Redwood: 36.85 dB on 1,339,364 points, 36.88 dB in
 // cells of 2 mm, 36.85 dB on 121,008 in cells of 8 mm); colours of the points do not (35.40, 34.93 and 30.35 dB).
 const MAX_POINTS: usize = 1 << 23;
 
-/// Edges of the finest cells, without one that was asked for, from a pixel to the next on what was seen: few points of
-/// one frame are joined.
+/// Edges of the finest cells, if none was requested: the distance between pixels on the surfaces, so that few points of
+/// one frame are merged.
 const EDGES_PER_PIXEL: f64 = 2.0;
 
 /// Edge below which none are, metres: no depth camera measures as finely.
@@ -33,7 +33,7 @@ pub(super) struct Merged {
     cells: Option<Cells>,
     /// Number of points merged into cells.
     joined: usize,
-    /// As it was asked for.
+    /// The requested edge of the cells, metres.
     edge_m: Option<f64>,
     max_points: usize,
     has_colors: bool,
@@ -70,7 +70,7 @@ impl Merged {
         self.points.positions.is_empty() && self.cells.as_ref().is_none_or(Cells::is_empty)
     }
 
-    /// Says that frame `index` is not among them.
+    /// Reports that frame `index` is not among them.
     pub(super) fn warn_of(&mut self, index: usize, reason: &dyn fmt::Display) {
         self.warnings
             .push(format!("{} is skipped: {reason}", frame_by_index(index)));

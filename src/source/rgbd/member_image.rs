@@ -96,7 +96,7 @@ pub(super) fn pixels([width, height]: [u32; 2]) -> usize {
     width as usize * height as usize
 }
 
-/// `count` floats that are packed by LZFSE. No more than those are unpacked, whatever the bytes claim.
+/// `count` floats packed by LZFSE. No more are unpacked, whatever the bytes claim.
 fn depths(bytes: &[u8], count: usize) -> Result<Vec<f32>, String> {
     let unpacked = unpacked(bytes, 4 * count as u64 + 1)?;
     if unpacked.len() != 4 * count {

@@ -33,7 +33,7 @@ impl MergedFrames {
     /// Merges frames `first` to `last` of `recording`, skipping those without a pose.
     ///
     /// # Errors
-    /// [`RgbdError::NotMerged`] if there is no such frame, and if none has a pose.
+    /// [`RgbdError::NotMerged`] if the frame does not exist, and if none has a pose.
     pub fn of(recording: RgbdRecording, first: usize, last: usize) -> Result<Self, RgbdError> {
         let count = recording.entries.len();
         let wrong = |reason: String| RgbdError::NotMerged { first, last, reason };

@@ -1,9 +1,9 @@
 //! Recordings of depth images: folders as sensors, programs and data sets write them, and messages of ROS.
 //!
-//! A frame is an ordinary cloud, one point a pixel, in the frame of its camera. So all that works with clouds works
-//! with them; whoever wants more asks [`DepthImages`](super::DepthImages) for cameras and pose. Which files a recording
-//! has is found once ([`layouts`]), by names and small files of text. A decoder reads an image, filters it and gives
-//! its pixels their colours ([`crate::rgbd`]).
+//! A frame is an ordinary cloud, one point per pixel, in the frame of its camera. So all that works with clouds works
+//! with them; [`DepthImages`](super::DepthImages) additionally gives cameras and pose. The files of a recording are
+//! found once ([`layouts`]), by names and small text files. A decoder reads an image, filters it and gives its pixels
+//! their colours ([`crate::rgbd`]).
 
 mod calibration;
 mod camera_info;
@@ -71,7 +71,7 @@ pub(super) fn comes_before_photos(inputs: &[PathBuf], options: &OpenOptions) -> 
 /// The recording that `inputs` are; `None` for inputs of another kind.
 ///
 /// # Errors
-/// [`SequenceError::Rgbd`], once something says that it is a recording.
+/// [`SequenceError::Rgbd`], once it is identified as a recording.
 pub(super) fn open(inputs: &[PathBuf], options: &OpenOptions) -> Result<Option<Arc<dyn Source>>, SequenceError> {
     let found = RgbdRecording::open(inputs, options).map_err(|error| SequenceError::Rgbd(Box::new(error)))?;
     let Some(recording) = found else {

@@ -5,7 +5,7 @@
 //! root, which is the world as far as the recording knows it (`map`, `odom`, `world`). A moving link is a list of
 //! transforms with their times; between two, translation is interpolated linearly and rotation at a constant rate, as
 //! `tf2` does. Before the first and after the last it is valid for the maximum time offset between images of one time
-//! step. A camera without a moving link above it has no pose: nobody has said that it moves, or where.
+//! step. A camera without a moving link above it has no pose: its motion and position are unknown.
 
 use super::pairs::MAX_APART;
 use crate::io::recordings::recording::camera::Link;
@@ -16,7 +16,7 @@ use std::time::Duration;
 /// Frames of reference with the places that they had.
 #[derive(Debug, Default)]
 pub(super) struct MovingFrames {
-    /// By the child.
+    /// Parents by child.
     parents: HashMap<String, Parent>,
 }
 
@@ -31,8 +31,8 @@ struct Parent {
 }
 
 impl MovingFrames {
-    /// By links that hold for all times, and by those that hold at their time. Of a frame with several parents the
-    /// first one counts.
+    /// Creates the tree from links that hold for all times, and from those that hold at their time. Of a frame with
+    /// several parents the first one counts.
     pub(super) fn of(statics: Vec<Link>, moving: Vec<Link>) -> Self {
         let mut frames = Self::default();
         for (is_static, links) in [(true, statics), (false, moving)] {
@@ -59,7 +59,7 @@ impl MovingFrames {
         let mut world_from_frame = DAffine3::IDENTITY;
         let mut moves = false;
         let mut at = frame;
-        // At most as many steps as there are links: more would be a cycle.
+        // At most one step per link: more would be a cycle.
         for _ in 0..=self.parents.len() {
             let Some(parent) = self.parents.get(at) else {
                 return moves.then_some(world_from_frame);
@@ -91,7 +91,7 @@ impl Parent {
     }
 }
 
-/// The place so far on the way.
+/// The position reached so far.
 fn between(from: DAffine3, to: DAffine3, share: f64) -> DAffine3 {
     let [(_, turn, at), (_, other_turn, other_at)] = [from, to].map(|place| place.to_scale_rotation_translation());
     DAffine3::from_rotation_translation(turn.slerp(other_turn, share), at.lerp(other_at, share))

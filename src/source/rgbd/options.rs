@@ -11,13 +11,13 @@ pub(in crate::source) const INVERT_POSES: &str = "--invert-poses";
 pub struct RgbdOptions {
     /// Filters of the depth images.
     pub filters: Filters,
-    /// Nobody chose them: one that would drop most of an image is not applied.
+    /// They are the defaults: one that would drop most of an image is not applied.
     pub filters_are_automatic: bool,
     /// Pattern of the names of depth images, within the folder that is opened.
     pub depth: Option<String>,
     /// Pattern of the names of colour images.
     pub color: Option<String>,
-    /// `fx,fy,cx,cy` in pixels, or a file that says them.
+    /// `fx,fy,cx,cy` in pixels, or a file that contains them.
     pub intrinsics: Option<String>,
     /// Units of the depth images that are a metre.
     pub depth_scale: Option<f64>,
@@ -27,8 +27,8 @@ pub struct RgbdOptions {
     pub invert_poses: bool,
     /// Frames, both ends included, that become one cloud by their poses.
     pub merge: Option<(usize, usize)>,
-    /// Edge of the cells in which their points are joined, metres; 0 keeps all points. If nobody says it, points are
-    /// joined where there are very many.
+    /// Voxel size for merging their points, metres; 0 keeps all points. By default, points are merged if there are very
+    /// many.
     pub merge_edge_m: Option<f64>,
     /// Frames among these whose points are excluded.
     pub skipped: Vec<usize>,

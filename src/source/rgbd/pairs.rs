@@ -11,7 +11,7 @@ pub(super) const MAX_APART: Duration = Duration::from_millis(20);
 /// Names that a note lists.
 const NAMED: usize = 3;
 
-/// The depth images with their colour images, and what is left over, a sentence each.
+/// The depth images with their colour images, and a sentence for each leftover.
 #[derive(Debug, Default)]
 pub(super) struct Pairs {
     pub(super) colors: Vec<Option<PathBuf>>,
@@ -26,8 +26,8 @@ pub(super) fn by_key(depths: &[PathBuf], colors: &[PathBuf], key: impl Fn(&str) 
     Pairs::of(depths, colors, depths.iter().map(color_of).collect())
 }
 
-/// By their names without extensions; else by the first or the last number in them; else one by one, if they are as
-/// many.
+/// Pairs by their names without extensions; else by the first or the last number in them; else one by one, if their
+/// numbers are equal.
 pub(super) fn by_name(depths: &[PathBuf], colors: &[PathBuf]) -> Pairs {
     let keys: [fn(&str) -> Option<String>; 3] = [
         |name| Some(stem(name).to_owned()),

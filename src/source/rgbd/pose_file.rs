@@ -12,7 +12,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 impl Trajectory {
-    /// Those in the file at `path`, of any of the formats of [`RgbdError::Trajectory`].
+    /// The poses in the file at `path`, of any of the formats of [`RgbdError::Trajectory`].
     pub(in crate::source) fn read(path: &Path) -> Result<Self, RgbdError> {
         Ok(Self::read_and_tell(path)?.0)
     }
@@ -186,7 +186,7 @@ fn of_tum(path: &Path, text: &str, lines: &[(usize, Vec<f64>)]) -> Result<Trajec
     Ok(Trajectory::Stamped(poses))
 }
 
-/// Blocks of a line of three whole numbers, of which the first is that of the frame, and four of a matrix.
+/// Blocks of a line of three whole numbers, the first of which is the frame's, and four lines of a matrix.
 fn of_log(path: &Path, lines: &[(usize, Vec<f64>)]) -> Result<Trajectory, RgbdError> {
     let mut poses = HashMap::with_capacity(lines.len() / 5);
     for block in lines.chunks(5) {

@@ -9,7 +9,7 @@ fn written(name: &str, text: &str) -> Result<Trajectory, RgbdError> {
     Trajectory::read(&path)
 }
 
-/// A quarter turn around z and a way.
+/// A quarter turn around z and a translation.
 fn pose() -> DAffine3 {
     DAffine3::from_rotation_translation(
         DQuat::from_rotation_z(std::f64::consts::FRAC_PI_2),

@@ -2,7 +2,7 @@
 //! front, or as graphs of SLAM programs have them (g2o).
 //!
 //! *Order of quaternions.* Most programs write `qx qy qz qw`, `EuRoC` and many scripts `qw qx qy qz`: nothing in the
-//! numbers tells them apart. Where a header names the columns it is believed; one that names places and other things
+//! numbers distinguishes them. A header that names the columns is believed; one that names positions and anything other
 //! than a quaternion is refused.
 
 use super::error::RgbdError;
@@ -251,7 +251,7 @@ fn whole(words: &[&str], at: usize) -> Option<u64> {
     words.get(at)?.parse().ok()
 }
 
-/// A time, of which short numbers are seconds, although their header says nanoseconds.
+/// A time; short numbers are seconds, although their header says nanoseconds.
 fn time_of(word: &str, has_nanos: bool) -> Option<Duration> {
     match word.parse::<u64>() {
         Ok(nanos) if has_nanos => Some(Duration::from_nanos(nanos)),

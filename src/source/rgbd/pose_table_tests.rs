@@ -4,7 +4,7 @@ fn read(text: &str) -> Result<Option<Trajectory>, RgbdError> {
     of_text(Path::new("poses.txt"), text)
 }
 
-/// A turn by 90° around y, and a way.
+/// A turn by 90° around y, and a translation.
 fn pose() -> DAffine3 {
     DAffine3::from_rotation_translation(
         DQuat::from_rotation_y(std::f64::consts::FRAC_PI_2),

@@ -11,7 +11,7 @@ use crate::io::ReadOptions;
 use crate::raster::Samples;
 use crate::rgbd::Filters;
 
-/// Images whose numbers tell the units.
+/// Number of images whose values determine the units.
 const IMAGES: usize = 5;
 
 /// Images that filters are tried on.
@@ -20,7 +20,7 @@ const FILTERED_IMAGES: usize = 3;
 /// Numbers of an image that are looked at, about.
 const NUMBERS: usize = 20_000;
 
-/// Finds the units of depth images by their numbers, where no file says them.
+/// Finds the units of depth images by their numbers, where no file states them.
 pub(super) fn settle_units(found: &mut FoundRecording, options: &ReadOptions) {
     let (mut numbers, mut floats) = (Vec::new(), Vec::new());
     for index in spread(found.frames.len(), IMAGES) {
@@ -55,7 +55,7 @@ pub(super) fn settle_units(found: &mut FoundRecording, options: &ReadOptions) {
     }
 }
 
-/// The filters of `recorded` without those that would drop most of its images, and what is said of these.
+/// The filters of `recorded` without those that would drop most of its images, and the notes on these.
 pub(super) fn usual_filters(recorded: &Recorded, count: usize) -> (Filters, Vec<Assumption>) {
     let tried = spread(count, FILTERED_IMAGES);
     let reports: Vec<_> = tried.filter_map(|index| recorded.filter_report(index)).collect();

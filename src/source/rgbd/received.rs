@@ -1,4 +1,4 @@
-//! Images of live streams become clouds by what decodes those of files: the same filters, registration and cameras.
+//! Images of live streams become clouds by the decoder for files: the same filters, registration and cameras.
 
 use super::calibration::Calibration;
 use super::decoder::Recorded;
@@ -24,7 +24,7 @@ pub(in crate::source) struct ReceivedFrames {
     pub(in crate::source) filters: Filters,
     filters_are_automatic: bool,
     read: ReadOptions,
-    /// One for each unit of depths that has come; those of a stream have one.
+    /// One for each unit of depths received; a stream has one.
     decoders: Mutex<Vec<Arc<Recorded>>>,
 }
 
@@ -51,8 +51,8 @@ impl ReceivedFrames {
         }
     }
 
-    /// The cloud of `images`, which are those of frame `index`. `before` gives the images of earlier frames, as far as
-    /// they are still there; it is asked only if there is a temporal filter.
+    /// The cloud of `images` of frame `index`. `before` gives the images of earlier frames, as far as they are still
+    /// there; it is called only if there is a temporal filter.
     pub(in crate::source) fn cloud(
         &self,
         index: usize,

@@ -2,10 +2,10 @@
 //! `rgbd/0.jpg`.
 //!
 //! *Metadata* is JSON: `w h` of the colour images, their lens `K` (nine numbers by columns), `dw dh` of the depth
-//! images, `fps`, `frameTimestamps`, and `poses`, each a quaternion x y z w and a place. Poses are those of `ARKit`,
-//! whose camera has x right, y up and z backward. *Depths* are metres in single floats, packed by Apple's LZFSE; where
+//! images, `fps`, `frameTimestamps`, and `poses`, each a quaternion x y z w and a place. Poses follow `ARKit`, whose
+//! camera has x right, y up and z backward. *Depths* are metres in single floats, packed by Apple's LZFSE; where
 //! nothing was measured they are NaN or 0. Older versions lack `dw dh`: their images are 192 × 256 (LiDAR) or 480 × 640
-//! (`TrueDepth`), which the number of floats tells.
+//! (`TrueDepth`), determined by the number of floats.
 
 use super::calibration::{Calibration, Intrinsics};
 use super::depth_code::DepthCode;
@@ -27,7 +27,7 @@ use std::sync::Arc;
 use std::time::Duration;
 use zip::ZipArchive;
 
-/// Sizes of the depth images of versions that do not say it.
+/// Sizes of the depth images of versions that do not state it.
 const KNOWN_SIZES: [[u32; 2]; 3] = [[192, 256], [480, 640], [360, 640]];
 
 /// Metadata of an hour has fewer bytes.
@@ -35,7 +35,7 @@ const MAX_METADATA_BYTES: u64 = 64 << 20;
 
 const EXTENSIONS: &[&str] = &["r3d"];
 
-/// By their names.
+/// Recognised by their names.
 pub(super) const RECORDER: Recorder = Recorder {
     extensions: EXTENSIONS,
     can_read: |path| has_extension(name_of(path), EXTENSIONS),
@@ -159,7 +159,7 @@ fn poses(json: &Value) -> Vec<Option<DAffine3>> {
     list.iter().map(pose).collect()
 }
 
-/// The stamp of a frame, else what the frame rate makes of its number.
+/// The stamp of a frame, else the time from its number and the frame rate.
 fn time(json: &Value, number: u64) -> Option<Duration> {
     let stamp = json
         .get("frameTimestamps")

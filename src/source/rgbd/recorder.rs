@@ -5,7 +5,7 @@ use super::layouts::FoundRecording;
 use crate::source::OpenOptions;
 use std::path::Path;
 
-/// A way to record depth images into one file.
+/// A method of recording depth images into one file.
 pub(super) struct Recorder {
     /// Extensions of its files, in lower case, where no point cloud has them.
     pub(super) extensions: &'static [&'static str],

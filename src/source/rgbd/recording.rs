@@ -26,7 +26,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Default frame rate in frames per second: that of most depth cameras.
+/// Default frame rate in frames per second: as in most depth cameras.
 const USUAL_FPS: f64 = 30.0;
 
 /// The frames of a recording of depth images.
@@ -129,7 +129,7 @@ impl RgbdRecording {
         }))
     }
 
-    /// Returns a copy with other filters. Notes on what was skipped were reported already.
+    /// Returns a copy with other filters. Notes on skipped parts were reported already.
     pub(super) fn with_filters(&self, filters: Filters) -> Self {
         Self {
             recorded: Arc::new(self.recorded.filtered(filters)),
@@ -147,7 +147,7 @@ impl RgbdRecording {
         }
     }
 
-    /// Whose layout it has, for people.
+    /// The name of its layout, for users.
     pub fn layout(&self) -> &'static str {
         self.layout
     }
@@ -183,7 +183,7 @@ fn entry(index: usize, depth: &StoredImage) -> FrameEntry {
     }
 }
 
-/// The times of frames, where their names tell them or nothing does.
+/// The times of frames, if their names give them or nothing does.
 fn assumed_times(entries: &[FrameEntry]) -> Option<Assumption> {
     let (first, last) = (entries.first()?, entries.last()?);
     let said = |value: String, why: &str, evidence: Evidence| {
@@ -226,7 +226,7 @@ fn assumed_camera(calibration: &Calibration, sensor: Option<&Sensor>) -> Assumpt
     }
 }
 
-/// Says how many frames have no pose, where others have one.
+/// Reports the number of frames without a pose, if others have one.
 fn note_of_poses(found: &FoundRecording) -> Option<String> {
     let without: Vec<usize> = (0..found.frames.len())
         .filter(|&index| found.frames[index].world_from_camera.is_none())
@@ -291,7 +291,7 @@ fn take_options(found: &mut FoundRecording, options: &OpenOptions) -> Result<(),
     Ok(())
 }
 
-/// Turns the poses round. What a person says is no assumption.
+/// Inverts the poses. A user's statement is not an assumption.
 fn invert_poses(found: &mut FoundRecording) {
     for frame in &mut found.frames {
         frame.world_from_camera = frame.world_from_camera.map(|pose| pose.inverse());

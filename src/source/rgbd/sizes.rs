@@ -1,8 +1,8 @@
 //! Image sizes before decoding, and the size that each camera's intrinsics refer to.
 //!
 //! A camera file seldom states the size that its intrinsics refer to. The principal point does: it is near the image
-//! centre, so that twice of it is about the size. It may be that of the colour images, of which depth images are
-//! smaller copies; videos are not read, and there the size is a multiple of that of the depth images.
+//! centre, so that twice of it is about the size. It may be the size of the colour images, while depth images are
+//! smaller; videos are not read, and there the size is a multiple of the depth images'.
 
 use super::calibration::{Calibration, Intrinsics};
 use super::layouts::FoundRecording;
@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// Twice a principal point is as near to the size of its image, as a share of that.
 const NEAR: f64 = 0.25;
 
-/// Sizes of the first images, as far as they can be read; what cannot is said when it is decoded.
+/// Sizes of the first images, as far as they can be read; failures are reported on decoding.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sizes {
     pub(super) depth_px: Option<[u32; 2]>,
@@ -29,7 +29,7 @@ impl Sizes {
         color_px: None,
     };
 
-    /// Looks at the first images of `found`. Cameras that do not say for which size they are get one.
+    /// Looks at the first images of `found`. Cameras that do not state their size get one.
     pub(super) fn learn(found: &mut FoundRecording, options: &ReadOptions) -> Self {
         let size_of = |image: &StoredImage| image.size_px(options);
         let first = Arc::clone(&found.frames[0].calibration);
@@ -144,7 +144,7 @@ mod tests {
             ([350.0, 210.0], None, [640, 480]),
             ([955.0, 718.0], None, [1920, 1440]),
             ([958.0, 722.0], Some([1920, 1440]), [1920, 1440]),
-            // Two unrelated focal lengths are no evidence.
+            // Two unrelated focal lengths are not evidence.
             ([100.0, 50.0], None, [640, 480]),
         ] {
             let found = learned(principal, [640, 480], color_px);

@@ -53,7 +53,7 @@ pub(super) struct BlockImage {
     pub(super) path: Arc<Path>,
     /// The name of the track, for people.
     pub(super) track: Arc<str>,
-    /// As the track says it.
+    /// As stated by the track.
     pub(super) size_px: [u32; 2],
     pub(super) pixels: BlockPixels,
     pub(super) block: Block,
@@ -62,7 +62,7 @@ pub(super) struct BlockImage {
 /// Pixel format of the bytes in a block.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum BlockPixels {
-    /// An image as a file has it.
+    /// An image as stored in a file.
     File,
     /// Pixels in rows, by the names of ROS; the high byte of 16 bits comes first.
     Bare(&'static str),
@@ -136,7 +136,7 @@ impl StoredImage {
         }
     }
 
-    /// Its colours as they are stored, and its size; `None` of what cannot be read.
+    /// Its colours as they are stored, and its size; `None` if unreadable.
     pub(super) fn raw_color(&self, options: &ReadOptions) -> Option<(RawColor, [u32; 2])> {
         /// JPEG signature.
         const JPEG: &[u8] = b"\xff\xd8\xff";
@@ -153,7 +153,7 @@ impl StoredImage {
         is_color.then_some((RawColor::Pixels(raster), size_px))
     }
 
-    /// Width and height, as far as they can be read; what cannot is said when it is decoded.
+    /// Width and height, as far as they can be read; failures are reported on decoding.
     pub(super) fn size_px(&self, options: &ReadOptions) -> Option<[u32; 2]> {
         match self {
             Self::File(path) => raster::size_px(&text::read_bytes(path, options.max_memory_bytes).ok()?).ok(),

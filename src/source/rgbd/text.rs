@@ -46,7 +46,7 @@ pub(super) fn array(path: &Path) -> Result<Array, RgbdError> {
     array_of(path, &read_bytes(path, MAX_BYTES)?)
 }
 
-/// The shape of the array at `path`, of which only the head is read.
+/// The shape of the array at `path`, read from its head only.
 pub(super) fn array_shape(path: &Path) -> Option<Vec<usize>> {
     const HEAD_BYTES: u64 = 1 << 16;
     let mut head = Vec::new();
@@ -96,8 +96,8 @@ fn array_of(path: &Path, bytes: &[u8]) -> Result<Array, RgbdError> {
     Ok((header.shape, numbers))
 }
 
-/// The numbers of each line that has any, with the number of the line from 1. Commas and semicolons are spaces; what
-/// follows a `#` is a comment. Brackets are spaces as well.
+/// The numbers of each line that has any, with the number of the line from 1. Commas and semicolons are spaces; text
+/// after a `#` is a comment. Brackets are spaces as well.
 ///
 /// # Errors
 /// The first line with something else.

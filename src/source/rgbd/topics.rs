@@ -1,12 +1,12 @@
 //! ROS depth image topics: detection of depths, colours and cameras, and of the transform between cameras.
 //!
 //! Of several topics with depths, the one that is named by `--topic` is read, otherwise the one with the most messages.
-//! Colours are those of the topic that shares the most of its name. Cameras are identified by the `CameraInfo` that
+//! Colours come from the topic that shares the most of its name. Cameras are identified by the `CameraInfo` that
 //! accompanies the images; images in one frame of reference and of one size belong to one camera, pixel by pixel,
 //! others are linked by `tf_static`. Bags of `librealsense` have extensions of their own: no frames of reference, but
 //! the pose of each stream relative to one of them (`…/tf/0`), and the unit of depths as an option.
 //!
-//! Poses are those of the depth camera in the root of the links that `tf` publishes ([`MovingFrames`]).
+//! Poses locate the depth camera in the root of the links that `tf` publishes ([`MovingFrames`]).
 
 use super::calibration::{Calibration, Intrinsics};
 use super::camera_info::{intrinsics, transform_between};
@@ -47,8 +47,8 @@ pub(super) const RECORDER: Recorder = Recorder {
     find,
 };
 
-/// The recording in the file at `path` and whose way of naming it has; `None` if it has no depth images, and if it has
-/// point clouds and nobody named a topic. Files that cannot be read are left to those who read clouds.
+/// The recording in the file at `path` and the naming convention it follows; `None` if it has no depth images, or if it
+/// has point clouds and no topic was named. Unreadable files are left to the readers of clouds.
 fn find(path: &Path, options: &OpenOptions) -> Result<Option<(&'static str, FoundRecording)>, RgbdError> {
     let named = options.topic.as_deref();
     let Ok(topics) = io::cameras(path, named.is_some(), &options.read) else {
@@ -92,7 +92,7 @@ fn find(path: &Path, options: &OpenOptions) -> Result<Option<(&'static str, Foun
     Ok(Some((layout, found)))
 }
 
-/// A topic of images, and what stands before the first of them.
+/// A topic of images, and the data before the first of them.
 struct Stream<'a> {
     topic: &'a CameraTopic,
     head: ImageHead,
@@ -187,7 +187,7 @@ impl RosRecording<'_> {
             .map(|(.., info)| info)
     }
 
-    /// Returns the transform from the camera of `depth` to that of `color`; `None` if nothing states it.
+    /// Returns the transform from the camera of `depth` to the camera of `color`; `None` if nothing states it.
     fn color_from_depth(&self, depth: &Stream<'_>, color: &Stream<'_>) -> Option<DAffine3> {
         if is_realsense(&depth.topic.name) {
             let place = |stream: &Stream<'_>| {
@@ -207,7 +207,7 @@ impl RosRecording<'_> {
         transform_between(&links, &depth.head.frame_id, &color.head.frame_id)
     }
 
-    /// The links that messages of this kind tell.
+    /// The links in messages of this kind.
     fn links(&self, kind: CameraMessage) -> Vec<Link> {
         let messages = self.of_kind(kind).flat_map(|topic| &topic.messages);
         let messages = messages.map(|(_, message)| message);
@@ -225,7 +225,7 @@ impl RosRecording<'_> {
         MovingFrames::of(self.links(CameraMessage::StaticTransforms), moving)
     }
 
-    /// Units of depth images that are a metre, where a `RealSense` says it.
+    /// Units of depth images per metre, where a `RealSense` says it.
     fn units_per_metre(&self) -> Option<f64> {
         let is_unit = |topic: &&CameraTopic| {
             topic

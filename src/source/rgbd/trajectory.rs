@@ -1,5 +1,4 @@
-//! Camera trajectories: poses from the frame of the camera to that of the world, at timestamps or of numbered or named
-//! frames.
+//! Camera trajectories: poses from the frame of the camera to the world, at timestamps or of numbered or named frames.
 
 use super::pairs::nearest;
 use crate::natural::split_name;
@@ -34,8 +33,8 @@ impl Trajectory {
 
     /// The poses of frames with these times and numbers in their names.
     ///
-    /// By times, where there are some; by their order, where there are as many poses as frames; else by the numbers in
-    /// the names, where each has a pose, as of every tenth image of a longer trajectory; else by their order from 0.
+    /// Poses by times, if there are some; by their order, if there is one pose per frame; else by the numbers in the
+    /// names, if each has a pose, as of every tenth image of a longer trajectory; else by their order from 0.
     pub(in crate::source) fn poses_of(
         &self,
         times: &[Option<Duration>],
@@ -159,7 +158,7 @@ pub(super) fn pose_of(place: DVec3, rotation: DQuat) -> Option<DAffine3> {
     is_pose.then(|| DAffine3::from_rotation_translation(rotation.normalize(), place))
 }
 
-/// The pose of a camera that was told with y up and z backward (OpenGL, `ARKit`), as others have it.
+/// The pose of a camera that was stated with y up and z backward (OpenGL, `ARKit`), in the common convention.
 pub(super) fn of_backward(world_from_camera: DAffine3) -> DAffine3 {
     let turned = DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0));
     DAffine3 {

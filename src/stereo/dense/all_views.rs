@@ -1,4 +1,4 @@
-//! Dense multi-view stereo from calibrated images: depths of each view from its neighbours, kept where views agree.
+//! Dense multi-view stereo from calibrated images: depths of each view from its neighbours, retained where views agree.
 //!
 //! *How it works.* Images are downscaled far enough; planes are swept before each, between the depths of its sparse
 //! points or, without any, within the depth range that its format states, otherwise around the point that all cameras
@@ -56,7 +56,7 @@ pub enum DenseError {
     TooFew {
         /// Number of images that could be read.
         count: usize,
-        /// Why others could not.
+        /// The reason why others could not.
         reason: String,
     },
     /// They show nothing that two of them agree on.
@@ -70,19 +70,19 @@ pub enum DenseError {
     Stereo(#[from] StereoError),
 }
 
-/// Maximum number of pixels of all depth maps together: of larger image sets every second, third … image is swept, each
-/// with its nearest neighbours among all. Time and points grow with them, and what hundreds of images show is seen by
-/// dozens.
+/// Maximum number of pixels of all depth maps together: in larger image sets only every second, third … image is swept,
+/// each with its nearest neighbours among all. Time and points grow with them, and surfaces in hundreds of images are
+/// seen by dozens.
 const MAX_PIXELS: u64 = 12 << 20;
 
-/// Angles between neighbours whose depths tell most: smaller ones tell none, larger ones show other sides.
+/// Best angles between neighbours for depths: smaller ones give none, larger ones show other sides.
 pub(super) const ANGLES_DEG: std::ops::RangeInclusive<f64> = 1.5..=40.0;
 
 /// Factor by which the surface may be nearer or farther than its sparse points.
 const BEYOND_POINTS: f64 = 1.3;
 
-/// Factor by which the surface may be nearer or farther than the depth range that a format states: that of LLFF
-/// excludes a thousandth of the points at each end.
+/// Factor by which the surface may be nearer or farther than the depth range that a format states: LLFF's excludes a
+/// thousandth of the points at each end.
 const BEYOND_TOLD: f64 = 1.1;
 
 /// Depths that are tried around the place that all cameras look at, in depths of that place.
@@ -96,8 +96,8 @@ pub(super) struct Small {
 }
 
 impl Dense {
-    /// The dense points of a set, in its coordinates, with colours. Says in `progress` how much is done, and stops soon
-    /// after that was cancelled.
+    /// The dense points of a set, in its coordinates, with colours. Reports to `progress`, and stops soon after that
+    /// was cancelled.
     ///
     /// # Errors
     /// [`DenseError`].
@@ -260,8 +260,8 @@ pub(super) fn of_pair(
     Ok((!pair.positions.is_empty()).then_some(pair))
 }
 
-/// Returns the depth range of the surface in front of an image: if nothing tells more, from one fraction of the depth
-/// of `center` to the other.
+/// Returns the depth range of the surface in front of an image: if nothing more is known, from one fraction of the
+/// depth of `center` to the other.
 pub(super) fn depth_range(set: &ViewSet, number: usize, center: Option<DVec3>, parts: [f64; 2]) -> Option<[f64; 2]> {
     told_range(set, number).or_else(|| {
         let depth = set.photos.get(number)?.depth_of(center?);

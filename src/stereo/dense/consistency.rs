@@ -2,7 +2,7 @@
 //!
 //! A depth of one view is a position in the world, and that position has a depth in each other view. Where the depth
 //! map of the other has the same depth, two views agree, each by matches of its own. Errors seldom agree by chance, so
-//! depths that at least three views agree on are kept (Merrell et al. 2007).
+//! depths that at least three views agree on are retained (Merrell et al. 2007).
 
 use crate::rgbd::{Camera, DepthImage};
 use crate::stereo::StereoError;
@@ -11,10 +11,10 @@ use crate::stereo::views::view::check_pinhole;
 use glam::{DAffine3, DVec2};
 use rayon::prelude::*;
 
-/// When depths count as one.
+/// Criteria for depths to count as one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Consistency {
-    /// So many views have to agree, the one itself among them. Of fewer views, all of them.
+    /// Number of views that have to agree, including the view itself. With fewer views, all of them.
     pub min_views: usize,
     /// Two depths agree if they differ by at most this part.
     pub tolerance: f64,
@@ -32,7 +32,7 @@ impl Default for Consistency {
 /// The depths of `maps` that enough views agree on; the others become 0. Each map is of the view of the same number.
 ///
 /// # Errors
-/// [`StereoError::CountsDiffer`], [`StereoError::OtherCamera`] of a map that is not of the size of its camera,
+/// [`StereoError::CountsDiffer`], [`StereoError::OtherCamera`] for a map that differs in size from its camera,
 /// [`StereoError::NoPinhole`], [`StereoError::NoPose`].
 pub fn consistent(
     maps: &[DepthImage],
@@ -87,7 +87,7 @@ pub fn consistent(
 struct Other<'a> {
     map: &'a DepthImage,
     camera: &'a Camera,
-    /// From the frame of the first camera to that of this one.
+    /// From the frame of the first camera to this one's.
     from_first: DAffine3,
 }
 

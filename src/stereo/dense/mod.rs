@@ -1,5 +1,5 @@
-//! Dense multi-view stereo: depths of each view, kept where views agree, as one cloud or surface. Depends on `matching`
-//! and `views`.
+//! Dense multi-view stereo: depths of each view, retained where views agree, as one cloud or surface. Depends on
+//! `matching` and `views`.
 
 pub(super) mod all_views;
 pub(super) mod cloud;

@@ -60,7 +60,7 @@ impl Default for Pairwise {
     }
 }
 
-/// The angle that tells most: depths are as fine as it is wide, and what both see differs the more.
+/// The best angle: a wider one gives finer depths, but the two views differ more.
 const BEST_ANGLE_DEG: f64 = 10.0;
 
 /// Near and far limits of the surface, in depths of the point that all cameras look at.
@@ -152,7 +152,7 @@ fn doubt([first, second]: [DVec3; 2], crossing: Option<DVec3>) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// Places on an arc around the origin, so many degrees apart.
+    /// Places on an arc around the origin, this many degrees apart.
     fn arc(count: usize, step_deg: f64) -> Vec<DVec3> {
         let at = |number: usize| (number as f64 * step_deg).to_radians();
         (0..count)

@@ -2,8 +2,8 @@
 //!
 //! Each pixel is described by 62 bits: each is set if the respective neighbour is darker than the pixel itself (Zabih
 //! and Woodfill 1994, section 3.2). The cost of a match is the number of bits that differ. Any change of brightness
-//! that keeps its order keeps the bits, so images of different exposure match. Beyond the border, pixels are those of
-//! the border.
+//! that keeps its order keeps the bits, so images of different exposure match. Beyond the border, border pixels are
+//! repeated.
 //!
 //! The right line is stored reversed, so that the disparities of one pixel are contiguous in memory.
 
@@ -25,7 +25,7 @@ pub(in crate::stereo) fn census(image: &GrayImage) -> Vec<u64> {
     bits
 }
 
-/// The bits of the pixels of line `y`. Precondition: `bits` are zeros, as many as pixels.
+/// The bits of the pixels of line `y`. Precondition: `bits` are zeros, one per pixel.
 pub(super) fn census_of_row(image: &GrayImage, y: usize, bits: &mut [u64]) {
     let mut padded = vec![0; image.width() + 2 * HALF_WIDTH];
     for dy in 0..=2 * HALF_HEIGHT {
@@ -84,7 +84,7 @@ impl CensusPair {
         }
     }
 
-    /// The costs that [`super::refine`] asks for. Precondition: pixel `at` of the image has a label `label`.
+    /// The costs that [`super::refine`] requests. Precondition: pixel `at` of the image has a label `label`.
     pub(in crate::stereo) fn around(&self, at: usize, label: usize) -> Around {
         let width = self.size[0];
         let (line, x) = (at - at % width, at % width);

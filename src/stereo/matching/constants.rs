@@ -5,7 +5,7 @@ pub(crate) const CENSUS_HALF_WIDTH: usize = 4;
 /// Lines above and below.
 pub(crate) const CENSUS_HALF_HEIGHT: usize = 3;
 
-/// By how much an even window varies at most: what JPEG leaves of an even area.
+/// Maximum variation of an even window: that of an even area after JPEG.
 pub(crate) const EVEN_WINDOW: u8 = 2;
 
 /// Pixels to each side whose costs are added for the place between labels by a parabola.

@@ -7,7 +7,7 @@ use std::ops::Range;
 /// The largest cost: all bits of a census differ.
 pub(in crate::stereo) const MAX_COST: u8 = 62;
 
-/// Labels are in steps of as many as a register has bytes.
+/// Labels are in steps of the bytes of a register.
 pub(in crate::stereo) const LANES: usize = 32;
 
 /// Costs of labels (disparities, or planes of a sweep), worked out some lines at a time, so that they are never all in
@@ -20,7 +20,7 @@ pub(in crate::stereo) trait Costs: Sync {
     fn count(&self) -> usize;
 
     /// The costs of `rows`: line by line, pixel by pixel, label by label, none above [`MAX_COST`]. The same for any
-    /// division into `rows`. Precondition: `costs` has as many places.
+    /// division into `rows`. Precondition: `costs` has that number of places.
     fn fill(&self, rows: Range<usize>, costs: &mut [u8]);
 }
 
@@ -34,7 +34,7 @@ pub(in crate::stereo) struct Volume {
 }
 
 impl Volume {
-    /// The costs that [`super::refine`] asks for. Precondition: pixel `at` has a label `label`.
+    /// The costs that [`super::refine`] requests. Precondition: pixel `at` has a label `label`.
     pub(in crate::stereo) fn around(&self, at: usize, label: usize) -> Around {
         let costs = &self.costs[at * self.count..(at + 1) * self.count];
         let cost = |neighbor: usize| {

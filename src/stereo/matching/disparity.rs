@@ -11,7 +11,7 @@ pub struct DisparityMap {
 }
 
 impl DisparityMap {
-    /// Precondition: as many as the image has pixels.
+    /// Precondition: one per pixel of the image.
     pub(in crate::stereo) fn new([width, height]: [usize; 2], pixels: Vec<f32>) -> Self {
         debug_assert_eq!(width * height, pixels.len());
         Self { width, height, pixels }
@@ -36,8 +36,8 @@ impl DisparityMap {
         &mut self.pixels
     }
 
-    /// The disparity at a place between pixels: mixed from the four around where they are of one surface (within a
-    /// pixel), else that of the nearest; `None` where that has none.
+    /// The disparity at a place between pixels: interpolated from the four around if they are of one surface (within a
+    /// pixel), else the nearest one's; `None` if that has none.
     pub(in crate::stereo) fn between(&self, at: DVec2) -> Option<f64> {
         let [width, height] = [self.width as f64 - 1.0, self.height as f64 - 1.0];
         let nearest = at.round();

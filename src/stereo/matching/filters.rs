@@ -30,8 +30,8 @@ pub(in crate::stereo) fn median(values: &[f32], width: usize) -> Vec<f32> {
     out
 }
 
-/// Takes out connected pixels that are fewer than `min`. Neighbours in a line or a column are connected where
-/// `is_near` says so of their values. Preconditions: whole lines; `is_near` is false for NaN.
+/// Takes out connected pixels that are fewer than `min`. Neighbours in a line or a column are connected if `is_near` is
+/// true for their values. Preconditions: whole lines; `is_near` is false for NaN.
 pub(in crate::stereo) fn remove_specks(
     values: &mut [f32],
     width: usize,

@@ -1,9 +1,9 @@
-//! The local winner: costs summed over a square around each pixel. Fast, and only as good as what its square shows.
+//! The local winner: costs summed over a square around each pixel. Fast, and only as good as the content of its square.
 //!
-//! Sums of columns are kept from line to line and sums of squares from pixel to pixel, one line added and one taken
-//! away, so the time does not depend on the size of the square. Beyond the border, costs are those of the border, so
-//! that all squares weigh the same and left and right can be compared. It wins for small images in a hurry: 128 × 128
-//! pixels take a few milliseconds. Elsewhere semi-global matching fills what it leaves open, and has cleaner borders.
+//! Sums of columns are carried from line to line and sums of squares from pixel to pixel, one line added and one taken
+//! away, so the time does not depend on the size of the square. Beyond the border, border costs are repeated, so that
+//! all squares weigh the same and left and right can be compared. It wins for small images in a hurry: 128 × 128 pixels
+//! take a few milliseconds. Elsewhere semi-global matching fills the gaps it leaves, and has cleaner borders.
 
 use super::constants::MAX_RADIUS;
 use super::costs::{Costs, MAX_COST};
@@ -14,12 +14,12 @@ use rayon::prelude::*;
 /// Lines of a task.
 const LINES: usize = 16;
 
-/// Most bytes of a line of costs.
+/// Maximum bytes of a line of costs.
 const MAX_LINE_BYTES: usize = 64 << 20;
 
 const _: () = assert!((2 * MAX_RADIUS + 1).pow(2) * MAX_COST as usize <= u16::MAX as usize);
 
-/// Sums costs over squares of 2 `radius` + 1 pixels and writes what `winners` makes of the sums of each line to the
+/// Sums costs over squares of 2 `radius` + 1 pixels and writes the result of `winners` for the sums of each line to the
 /// line of `out`. A radius above [`MAX_RADIUS`] is taken as that.
 ///
 /// # Errors

@@ -3,7 +3,7 @@
 //! Both images are halved until the longer side is at most 256 pixels. There every disparity up to three quarters of
 //! the width is tried in both directions, which takes a small part of the time of the whole image. Areas of the result
 //! smaller than a 400th of the image are discarded as errors. Two pixels of the small image are added to both ends for
-//! what it did not show, and an eighth of the range to the near one: near things are often thin.
+//! details it did not show, and an eighth of the range to the near one: near things are often thin.
 
 use crate::stereo::DisparityRange;
 use crate::stereo::GrayImage;
@@ -14,13 +14,13 @@ use crate::stereo::StereoError;
 // Finding the range of an image of 1.4 megapixels takes 40 ms on copies of this size.
 const COARSE_PX: u32 = 256;
 
-/// At least so many of a thousand pixels have to be found.
+/// Minimum number of pixels in a thousand that have to be found.
 const MIN_FOUND: usize = 20;
 
 /// Areas of less than this part of the image are mistakes.
 const MIN_AREA: usize = 400;
 
-/// With as many disparities to choose from, chance alone finds one a few percent better.
+/// With that many disparities to choose from, chance alone finds one a few percent better.
 const UNIQUE_PERCENT: u16 = 10;
 
 /// Pixels of the copy that are added to both ends.
@@ -33,7 +33,7 @@ impl Matching {
     /// The range of disparities of a rectified pair.
     ///
     /// # Errors
-    /// [`StereoError::NothingAlike`] where no part of the images is alike, and those of [`Matching::disparities`].
+    /// [`StereoError::NothingAlike`] if no part of the images is alike, and the errors of [`Matching::disparities`].
     pub fn range(&self, left: &GrayImage, right: &GrayImage) -> Result<DisparityRange, StereoError> {
         let (mut left, mut right) = (left.clone(), right.clone());
         let mut scale = 1;
@@ -77,7 +77,7 @@ mod tests {
         line(y.floor()) * (1.0 - t) + line(y.floor() + 1.0) * t
     }
 
-    /// Two walls beside each other.
+    /// Two walls side by side.
     fn pair(width: usize, height: usize, disparities: [f32; 2]) -> [GrayImage; 2] {
         let image = |shift: &dyn Fn(usize) -> f32| {
             let pixels = (0..width * height)

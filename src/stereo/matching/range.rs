@@ -3,11 +3,11 @@
 use super::costs::LANES;
 use crate::stereo::StereoError;
 
-/// Most disparities that are tried.
+/// Maximum number of disparities tried.
 const MAX: usize = 8192;
 
-/// Disparities in pixels, column in the left image less column in the right one: above 0 for what is before infinity
-/// in views whose principal points agree.
+/// Disparities in pixels, column in the left image less column in the right one: above 0 for finite depths in views
+/// whose principal points agree.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DisparityRange {
     min: i32,

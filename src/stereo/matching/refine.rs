@@ -6,7 +6,7 @@
 //! only pixels whose own label is the same or one off count, so nothing is added across a step.
 //!
 //! Hamming distances of the census rise from the true position in straight lines. So the position is where two lines of
-//! one slope meet, that of the steeper side (Shimizu and Okutomi 2001): 0.25 px became 0.253, and 0.17 by a parabola.
+//! one slope, the steeper side's, meet (Shimizu and Okutomi 2001): 0.25 px became 0.253, and 0.17 by a parabola.
 //!
 //! Neighbours of one surface are of one plane, to a few hundredths of a pixel, and have independent errors. So each
 //! position is put on the best-fitting plane through those in the square that are within a pixel of it (Haralick and
@@ -16,7 +16,7 @@ use super::constants::REFINE_REACH as REACH;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-/// Labels to each side that are asked for: one, and one more for neighbours whose label is one off.
+/// Labels to each side that are queried: one, and one more for neighbours whose label is one off.
 pub(super) const NEIGHBOR: usize = 2;
 
 /// Sentinel for a missing cost.
@@ -25,7 +25,7 @@ pub(super) const NO_COST: u8 = u8::MAX;
 /// Costs of the labels around that of a pixel, [`NO_COST`] where there are none.
 pub(super) type Around = [u8; 2 * NEIGHBOR + 1];
 
-/// The place of `labels`, whole ones or NaN, between labels; `around` tells the costs of a pixel by its index.
+/// The place of `labels`, whole ones or NaN, between labels; `around` gives the costs of a pixel by its index.
 /// Preconditions: whole lines of `width`.
 pub(in crate::stereo) fn refine(
     labels: &[f32],
@@ -90,7 +90,7 @@ fn on_planes(places: &[f32], width: usize) -> Vec<f32> {
     fitted
 }
 
-/// Sums over places around a pixel, of which a plane is found by least squares.
+/// Sums over places around a pixel, from which a plane is fitted by least squares.
 #[derive(Debug, Clone, Copy, Default)]
 struct PlaneSums {
     count: f32,
@@ -128,7 +128,7 @@ impl PlaneSums {
     }
 }
 
-/// Adds the costs of the label that is `step` above that of a neighbour, and of the adjacent labels.
+/// Adds the costs of the label that is `step` above a neighbour's, and of the adjacent labels.
 fn add(step: f32, costs: Around, three: &mut [u16; 3]) {
     // NaN is not near, either.
     if step.abs() <= 1.0 {
@@ -194,7 +194,7 @@ mod tests {
         }
     }
 
-    /// A slanted surface with errors that add up to nothing, beside another one.
+    /// A slanted surface with errors that add up to nothing, next to another one.
     #[test]
     fn errors_are_averaged_along_planes_and_not_across_steps() {
         let width = 14;

@@ -1,13 +1,11 @@
 //! Label selection: the cheapest label of each pixel from its costs, with subpixel precision, unless another is as
 //! good.
 //!
-//! - *Left and right*: the costs of a pixel of the right image are those of its partners in the left one, so both
-//!   winners
-//!   come from one volume of costs (Hirschmüller 2008, section 2.4). A pixel keeps its disparity if that of its partner
-//!   is
-//!   at most 1 px away.
-//! - *Unique*: any label but the winner and its neighbours has to cost some percent more. So there is no result where
-//!   nothing is seen: in an even wall all labels cost the same.
+//! - *Left and right*: a pixel of the right image has the costs of its partners in the left one, so both winners come
+//!   from one volume of costs (Hirschmüller 2008, section 2.4). A pixel keeps its disparity if its partner's is at most
+//!   1 px away.
+//! - *Unique*: any label but the winner and its neighbours has to cost some percent more. So there is no result without
+//!   texture: in an even wall all labels cost the same.
 //! - *Between labels*, if by [`Between::Parabola`]: the minimum of a parabola through the winner and its neighbours.
 //!   Sums
 //!   of adjacent pixels in the line whose winners are the same or next to it are added, four to each side, against the
@@ -20,7 +18,7 @@ use fearless_simd::{Level, dispatch};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Between {
-    /// Intersection of two lines of one slope, that of the steeper side, through the costs of pixels alone (Shimizu and
+    /// Intersection of two lines of one slope, the steeper side's, through the costs of pixels alone (Shimizu and
     /// Okutomi 2001). True to a hundredth of a pixel in the mean.
     // Median error against a sub-pixel ground truth (motorcycle, 741 × 500): 0.109 px, with the parabola 0.146.
     #[default]
@@ -44,7 +42,7 @@ fn lowest([below, at, above]: [u32; 3]) -> f32 {
 /// Criteria for choosing winners.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::stereo) struct Choice {
-    /// By how much all other labels have to cost more, in percent of the winner.
+    /// Margin by which all other labels have to cost more, in percent of the winner.
     pub(in crate::stereo) unique_percent: u16,
     pub(in crate::stereo) between: Between,
     /// Smallest disparity, where labels are disparities and left and right are to agree.

@@ -11,8 +11,8 @@ use crate::stereo::View;
 use glam::DVec2;
 
 /// Depths of the pixels of the first view, along the axis of its camera, in the unit of the poses; 0 where none was
-/// found. `between` is where the surface is, from the nearest to the farthest depth; where nobody knows, that is found.
-/// `matcher` does what takes longest.
+/// found. `between` is the nearest and the farthest depth of the surface; if unknown, they are estimated. `matcher`
+/// does the most expensive part.
 ///
 /// # Errors
 /// [`StereoError`].
@@ -39,7 +39,7 @@ pub fn depths_of_pair(
     Ok(rectified.depths_of_first(&map))
 }
 
-/// The disparities of what is between two depths before the first view; `None` where the second sees nothing of it.
+/// The disparities of the space between two depths before the first view; `None` if the second sees nothing of it.
 fn range_between(rectified: &Rectified, first: &View<'_>, depths: [f64; 2]) -> Option<DisparityRange> {
     let world_from_first = first.camera_from_world.inverse();
     let [width, height] = first.camera.size_px().map(|edge| f64::from(edge - 1));

@@ -4,7 +4,7 @@ use crate::rgbd::{Camera, ColorImage, Distortion};
 use crate::stereo::StereoError;
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
-/// By how much the columns of a rotation may be off: files tell them with a few digits.
+/// Tolerance of the columns of a rotation: files have them with a few digits.
 const ROTATION_ERROR: f64 = 1e-4;
 
 /// Posed image and the pinhole camera that took it.
@@ -20,7 +20,7 @@ pub struct View<'a> {
 
 impl View<'_> {
     /// # Errors
-    /// [`StereoError`] of what this view is not; `index` is its place among the views.
+    /// [`StereoError`] for a requirement that this view does not meet; `index` is its place among the views.
     pub(in crate::stereo) fn check(&self, index: usize) -> Result<(), StereoError> {
         let (image, camera) = (self.image.size_px(), self.camera.size_px());
         if image != camera {

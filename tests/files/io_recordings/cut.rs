@@ -1,4 +1,4 @@
-//! Recordings that are cut at any byte: what is read of them says so, and `check` finds it.
+//! Recordings that are cut at any byte: reading reports it, and `check` finds it.
 
 use super::{Kind, TOPICS, bag, bare_header, db3, folder, mcap as mcap_of, record};
 use pointreel::check::{FindingKind, Severity, check};
@@ -6,7 +6,7 @@ use pointreel::sequence::Sequence;
 use std::fs;
 use std::path::Path;
 
-/// Whether `check` tells that the file is damaged, or why it cannot be read; `None` where it finds neither.
+/// The result of `check`: that the file is damaged, or why it cannot be read; `None` where it finds neither.
 fn found(path: &Path) -> Option<String> {
     let sequence = match Sequence::open(&[path.to_owned()], &pointreel::sequence::OpenOptions::default()) {
         Ok(sequence) => sequence,

@@ -152,7 +152,8 @@ fn clouds_have_times_attributes_and_poses() {
             let entries = io::list(&path, &options).unwrap();
             let times: Vec<_> = entries.iter().map(|entry| entry.time.unwrap()).collect();
             let stamp = |seconds| Duration::new(seconds, 300);
-            // This writer sorts keys alphabetically: the time is last, and only found if the whole message is at hand.
+            // This writer sorts keys alphabetically: the time is last, and only found if the whole message is
+            // available.
             let is_found = encoding == "protobuf" || is_chunked;
             let expected = if is_found {
                 [Duration::from_secs(7), stamp(8), stamp(9)]

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// How a message is written.
+/// Encoding of a message.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Kind {
     Ros1,

@@ -1,4 +1,4 @@
-//! Recordings with several topics of point clouds: which is read, and how a person says so.
+//! Recordings with several topics of point clouds: the one that is read, and the user's choice.
 
 use super::{Kind, bag, db3, folder, mcap};
 use pointreel::io::{self, ReadOptions, Topic};
@@ -85,7 +85,7 @@ fn a_sequence_has_one_topic() {
     assert!(error.contains("no input is a recording"), "{error}");
 }
 
-/// A recording without a cloud is a frame that says so, not a sequence of none.
+/// A recording without a cloud is a frame that reports it, not a sequence of none.
 #[test]
 fn a_recording_without_clouds_is_reported() {
     let folder = folder();

@@ -14,7 +14,7 @@ pub(crate) enum Container {
     PcapNgBig,
 }
 
-/// What packets begin with.
+/// The first bytes of packets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Link {
     Ethernet,
@@ -32,7 +32,7 @@ pub(crate) const ALL_CONTAINERS: [Container; 4] = [
     Container::PcapNgBig,
 ];
 
-/// Who sends, and to which port.
+/// Sender, and target port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Sender {
     pub(crate) host: u8,
@@ -154,7 +154,7 @@ impl Writer {
         self.packet_of_length(time, bytes, bytes.len());
     }
 
-    /// Appends a packet that had `sent_bytes`, of which `bytes` were captured.
+    /// Appends a packet that had `sent_bytes` when sent; `bytes` were captured.
     pub(crate) fn packet_of_length(&mut self, time: Duration, bytes: &[u8], sent_bytes: usize) {
         let (length, sent) = (bytes.len() as u32, sent_bytes as u32);
         match self.container {
@@ -215,7 +215,7 @@ impl Writer {
             .collect()
     }
 
-    /// Appends a datagram, so many microseconds after the capture began.
+    /// Appends a datagram, this many microseconds after the capture began.
     pub(crate) fn datagram(&mut self, after_us: u64, sender: Sender, payload: &[u8]) {
         for packet in self.packets_of(sender, payload) {
             self.packet(time(after_us), &packet);
@@ -223,12 +223,12 @@ impl Writer {
     }
 }
 
-/// So many microseconds after captures begin.
+/// This many microseconds after captures begin.
 pub(crate) fn time(after_us: u64) -> Duration {
     Duration::from_secs(BEGIN_S) + Duration::from_micros(after_us)
 }
 
-/// Files in a folder that is gone with it.
+/// Files in a folder that is removed with it.
 pub(crate) struct Files {
     folder: tempfile::TempDir,
 }
@@ -266,7 +266,7 @@ pub(crate) fn scalar<'a>(cloud: &'a RawCloud, name: &str) -> &'a [f32] {
         .values
 }
 
-/// What a point is expected to be.
+/// The expected point.
 #[derive(Debug, Clone)]
 pub(crate) struct Expected {
     pub(crate) position: [f64; 3],
@@ -278,7 +278,7 @@ pub(crate) struct Expected {
     pub(crate) values: Vec<(&'static str, f32)>,
 }
 
-/// Holds a cloud against what its points are expected to be, in their order. Single precision has a millionth of the
+/// Compares a cloud with the expected points, in their order. Single precision has a millionth of the
 /// largest coordinate.
 pub(crate) fn check(cloud: &RawCloud, expected: &[Expected], within_m: f64) {
     assert_eq!(cloud.positions.len(), expected.len());

@@ -1,4 +1,4 @@
-//! Captures whose times are in another unit than their header says.
+//! Captures whose times are in a different unit from the one in their header.
 
 use super::captures::{Container, Files, Link, SENDER, Writer, check};
 use super::velodyne::{MODELS, Scan};

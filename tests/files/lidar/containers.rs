@@ -21,7 +21,7 @@ fn every_container_and_link_type_gives_the_same_points() {
             let mut writer = Writer::new(container, link);
             scan().write(&mut writer, 60);
             let files = Files::new();
-            // The first bytes determine the format, whatever the name says.
+            // The first bytes determine the format, whatever the name.
             let path = files.write("capture.dump", &writer.bytes);
             let entries = io::list(&path, &ReadOptions::default()).unwrap();
             assert_eq!(entries[0].time, Some(time(0)), "{container:?} {link:?}");

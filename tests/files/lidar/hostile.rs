@@ -43,7 +43,7 @@ fn folder() -> Files {
     files
 }
 
-/// Lists and reads all that is there; says how many clouds are.
+/// Lists and reads everything; returns the number of clouds.
 fn read(path: &Path) -> usize {
     let options = ReadOptions::default().with_max_memory(1 << 28);
     let Ok(contents) = io::contents(path, None, &options) else {
@@ -87,7 +87,7 @@ fn declared_lengths_take_no_memory() {
     }
 }
 
-/// A capture of one turn of 600 packets, and what is in it.
+/// A capture of one revolution of 600 packets, and its expected points.
 fn one_large_turn() -> (Files, PathBuf, Vec<io::Entry>) {
     let scan = Scan {
         model: &MODELS[0],

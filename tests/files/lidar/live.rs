@@ -62,7 +62,7 @@ impl Drop for Sending {
     }
 }
 
-/// Twenty packets a turn, over and over.
+/// Twenty packets per revolution, repeatedly.
 fn velodyne() -> Sending {
     let packet = |index: usize| {
         let scan = Scan {
@@ -157,7 +157,7 @@ fn silence_and_other_inputs_are_explained() {
     assert!(matches!(cancelled, Err(source::SequenceError::Cancelled)));
 }
 
-/// A packet of a VLP-16, of 20 a turn.
+/// A packet of a VLP-16, one of 20 per revolution.
 fn packet(index: usize) -> Vec<u8> {
     let scan = Scan {
         model: &MODELS[0],

@@ -1,4 +1,4 @@
-//! Packets that came in pieces, in part or not at all, and packets of other makers.
+//! Packets that arrived in fragments, truncated or not at all, and packets of other makers.
 
 use super::captures::{Container, Files, Link, SENDER, Sender, Writer, check, clouds, time};
 use super::velodyne::{MODELS, Scan};

@@ -1,4 +1,4 @@
-//! Captures of laser scanners that are written here, with points whose places are worked out by the formulas of the
+//! Captures of LiDARs that are written here, with points whose positions are computed by the formulas of the
 //! manuals, in double precision.
 
 mod captures;

@@ -12,7 +12,7 @@ pub(crate) const SENDER: Sender = Sender { host: 30, port: 7502 };
 pub(crate) struct Sensor {
     pub(crate) profile: &'static str,
     pub(crate) pixels: usize,
-    /// Columns of a turn.
+    /// Columns of a revolution.
     pub(crate) columns: usize,
     pub(crate) serial: u64,
 }
@@ -43,7 +43,7 @@ pub(crate) const SMALL: Sensor = Sensor {
     serial: 122_201_000_998,
 };
 
-/// Where the lidar is in the sensor, and turned by half; numbers of a real one.
+/// Position of the LiDAR in the sensor, rotated by 180°; values of a real one.
 const TO_SENSOR: [f64; 16] = [
     -1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 36.18, 0.0, 0.0, 0.0, 1.0,
 ];
@@ -534,7 +534,7 @@ fn a_scan_is_read_without_the_rest_of_the_capture() {
     let path = files.write("drive.pcap", &writer.bytes);
     let options = ReadOptions::default();
     let entries = io::list(&path, &options).unwrap();
-    // Noise in place of the first and the last frame.
+    // Noise instead of the first and the last frame.
     let third = writer.bytes.len() / 3;
     writer.bytes[24..third].fill(0xff);
     writer.bytes[2 * third + 24..].fill(0xff);
@@ -551,7 +551,7 @@ fn a_scan_is_read_without_the_rest_of_the_capture() {
 #[test]
 fn a_window_across_the_first_measurement_is_not_cut() {
     let sensor = SMALL;
-    // Measurements 384 to 511 and 0 to 127: the sensor increments the frame number in the middle of the window.
+    // Measurements 384 to 511 and 0 to 127: the sensor increments the frame number mid-window.
     let mut writer = Writer::new(Container::Pcap, Link::Ethernet);
     let mut after = 0;
     for frame in 0..5 {

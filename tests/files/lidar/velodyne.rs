@@ -3,7 +3,7 @@
 use super::captures::{Container, Expected, Files, Link, SENDER, Writer, check, clouds, time};
 use pointreel::io::{self, ReadOptions};
 
-/// A model, as its manual tells of it.
+/// A model, as its manual describes it.
 pub(crate) struct Model {
     pub(crate) name: &'static str,
     pub(crate) product: u8,
@@ -28,7 +28,7 @@ fn hundredths(angle_deg: f64) -> f64 {
 /// As the manual prints them in millimetres, from the lowest laser to the horizon.
 const HI_RES_HEIGHTS: [f64; 8] = [7.4, 6.5, 5.5, 4.6, 3.7, 2.7, 1.8, 0.9];
 
-/// Of beams that meet so many millimetres before the axis.
+/// Height of beams that meet `focus_mm` before the axis.
 fn height(focus_mm: f64, elevation_deg: f64) -> f64 {
     -(elevation_deg.to_radians().tan() * focus_mm) / 1000.0
 }
@@ -208,7 +208,7 @@ const VLS_ROWS: [usize; 103] = [
     20, 117, 38, 71, 48, 81, 2, 99, 28, 125, 46, 79, 56, 89, 10, 107, 84, 5, 102, 23,
 ];
 
-/// A head that turns evenly.
+/// A head that rotates evenly.
 pub(crate) struct Scan<'a> {
     pub(crate) model: &'a Model,
     pub(crate) is_dual: bool,
@@ -233,8 +233,8 @@ impl Scan<'_> {
         (self.begin + cycle * self.step) % 36_000
     }
 
-    /// What laser `shot` of a cycle measures: distance in units and reflectivity. Some measure nothing; of two echoes
-    /// some are one.
+    /// The measurement of laser `shot` of a cycle: distance in units and reflectivity. Some measure nothing; of two
+    /// echoes some are one.
     fn measured(cycle: usize, shot: usize, echo: usize) -> (u16, u8) {
         let number = cycle * 131 + shot * 17;
         let is_one = number.is_multiple_of(3);
@@ -322,7 +322,7 @@ impl Scan<'_> {
         points
     }
 
-    /// Where turns begin, before cycle `end`.
+    /// Starts of revolutions, before cycle `end`.
     pub(crate) fn turns(&self, end: usize) -> Vec<std::ops::Range<usize>> {
         let begins = (1..end).filter(|&cycle| self.azimuth(cycle) < self.azimuth(cycle - 1));
         let mut places = vec![0];

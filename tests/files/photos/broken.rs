@@ -1,4 +1,4 @@
-//! What is missing, cut, singular, claimed or of another model.
+//! Files and values that are missing, cut, singular, claimed or of another model.
 
 use super::scene::Scene;
 use super::{WRITERS, error_of, folder_with, read};
@@ -61,7 +61,7 @@ fn unsupported_camera_models_are_rejected_by_name() {
             "{error}"
         );
     }
-    // Binary files have numbers: 17 has a name, 99 ends what can be read.
+    // Binary files have numbers: 17 has a name, 99 ends the readable part.
     let binary = tempfile::tempdir().unwrap();
     Scene::simple().write_colmap_binary(binary.path());
     let file = binary.path().join("sparse/cameras.bin");

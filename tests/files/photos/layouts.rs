@@ -110,7 +110,7 @@ fn images_of_a_meshroom_project_are_found_in_it() {
     }
 }
 
-/// What `Bundle2PMVS` and COLMAP write for PMVS: copies by numbers, beside names of what they are of.
+/// Output of `Bundle2PMVS` and COLMAP for PMVS: numbered copies, next to the names of their originals.
 #[test]
 fn copies_for_pmvs_are_the_images_of_the_adjacent_bundle() {
     let folder = tempfile::tempdir().unwrap();
@@ -182,7 +182,7 @@ fn images_of_unsupported_formats_give_one_note_with_advice() {
 
 const CAM: &str = "extrinsic\n0 -1 0 2\n1 0 0 0\n0 0 1 0\n0 0 0 1\n\nintrinsic\n50 0 32\n0 60 24\n0 0 1\n\n";
 
-/// A camera turned by a quarter about its axis: the world's x is down, its y to the left.
+/// A camera rotated by 90° about its axis: the world's x is down, its y to the left.
 #[test]
 fn mvsnet_cameras_count_from_the_corner_and_state_their_depths() {
     let folder = tempfile::tempdir().unwrap();
@@ -263,7 +263,7 @@ fn llff_depths_are_the_depth_range_of_its_images() {
     assert_eq!(ranges, [Some([1.25, 8.5]), None]);
 }
 
-/// Sets of Middlebury are handed on whole, as a ring and as a sparse ring, of the same photographs.
+/// Middlebury's datasets are distributed whole, as a ring and as a sparse ring, of the same images.
 #[test]
 fn the_longest_of_several_par_files_is_read() {
     let folder = folder_with(&[]);
@@ -281,7 +281,7 @@ fn opened(path: &Path) -> Result<usize, String> {
     Ok(source.posed_images(0).map_or(0, |set| set.photos.len()))
 }
 
-/// A list beside photographs has the extension of a cloud, and is none.
+/// A list next to images has the extension of a cloud, and is not one.
 #[test]
 fn folders_above_and_next_to_sets_report_their_contents() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Sets of calibrated photographs: one scene in every format, the half pixel of each, and what is broken.
+//! Sets of calibrated images: one scene in every format, the half pixel of each, and broken sets.
 
 mod broken;
 mod layouts;
@@ -82,7 +82,7 @@ fn error_of(path: &Path) -> String {
         .to_string()
 }
 
-/// Writes a scene by each of the writers of these names, and holds what is read against it.
+/// Writes a scene by each of the writers of these names, and compares the result of reading with it.
 fn assert_projects_equally(scene: &Scene, is_able: impl Fn(&str) -> bool) {
     for &(name, format, write, has_points) in WRITERS.iter().filter(|row| is_able(row.0)) {
         let folder = tempfile::tempdir().unwrap();
@@ -155,7 +155,7 @@ fn an_off_center_principal_point_is_preserved() {
     assert_projects_equally(&one_focal, |name| name == "Meshroom 1.0.0");
 }
 
-/// NVM distorts the other way round (see its own test), par files and LLFF are of undistorted photographs.
+/// NVM distorts in the other direction (see its own test), par files and LLFF are of undistorted images.
 #[test]
 fn a_lens_distorts_identically_in_all_formats() {
     assert_projects_equally(&Scene::distorted(), |name| {
@@ -171,7 +171,7 @@ fn open_drone_map_images_are_next_to_the_opensfm_folder() {
     assert_eq!(set.photos.len(), scene.poses.len(), "{:?}", set.notes);
 }
 
-/// Photographs of a quarter of the size that was calibrated: all pixels move with the borders.
+/// Images of a quarter of the calibrated size: all pixels move with the borders.
 #[test]
 fn downscaled_images_have_scaled_cameras() {
     for &(name, _, write, _) in WRITERS
@@ -210,7 +210,7 @@ fn downscaled_images_have_scaled_cameras() {
     }
 }
 
-/// A folder with one photograph of 64 × 48 pixels, `a.png`, and these files.
+/// A folder with one image of 64 × 48 pixels, `a.png`, and these files.
 fn folder_with(files: &[(&str, &str)]) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     RgbImage::new(64, 48).save(folder.path().join("a.png")).unwrap();
@@ -220,7 +220,7 @@ fn folder_with(files: &[(&str, &str)]) -> TempDir {
     folder
 }
 
-/// The only photograph shows the point at this pixel.
+/// The only image shows the point at this pixel.
 fn assert_shows(files: &[(&str, &str)], point: [f64; 3], expected: [f64; 2]) {
     let folder = folder_with(files);
     let photo = &read(folder.path()).photos[0];
@@ -249,7 +249,7 @@ fn bundler_counts_from_the_center_and_looks_along_minus_z_with_y_up() {
 
 #[test]
 fn nvm_counts_from_the_image_center_and_looks_along_z_from_its_camera_center() {
-    // Half a turn about z, one unit to the right.
+    // A rotation by 180° about z, one unit to the right.
     let files = [("a.nvm", "NVM_V3\n\n1\na.png 50 0 0 0 1 1 0 0 0 0\n\n0\n\n0\n")];
     assert_shows(&files, [1.0, 0.0, 1.0], [31.5, 23.5]);
     assert_shows(&files, [1.1, 0.2, 1.0], [26.5, 13.5]);
@@ -290,12 +290,12 @@ fn transforms_count_from_the_corner_and_look_along_minus_z() {
     let whole = with(r#""fl_x": 50, "cx": 32, "cy": 24, "w": 64, "h": 48"#);
     assert_shows(&[("transforms.json", &whole)], [0.0, 0.0, -1.0], [31.5, 23.5]);
     assert_shows(&[("transforms.json", &whole)], [0.1, 0.2, -1.0], [36.5, 13.5]);
-    // Twice the arctangent of 32 / 50; the size is that of the file.
+    // Twice the arctangent of 32 / 50; the size comes from the file.
     let angle = with(&format!(r#""camera_angle_x": {}"#, 2.0 * (32.0_f64 / 50.0).atan()));
     assert_shows(&[("transforms_train.json", &angle)], [0.1, 0.2, -1.0], [36.5, 13.5]);
 }
 
-/// Down, right and backward are the columns; the principal point is the middle of the image.
+/// Down, right and backward are the columns; the principal point is the centre of the image.
 #[test]
 fn llff_looks_along_minus_its_third_column_from_the_image_center() {
     let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (1, 17)}";
@@ -315,7 +315,7 @@ fn llff_looks_along_minus_its_third_column_from_the_image_center() {
     assert!(pixel(1.1, 0.2).distance(DVec2::new(36.5, 33.5)) < 1e-9);
 }
 
-/// Copies of a quarter of the size are taken where the originals were left out, and not where another number is there.
+/// Copies of a quarter of the size are taken where the originals are absent, and not where another number is present.
 #[test]
 fn llff_images_come_from_a_folder_with_the_same_count() {
     let folder = tempfile::tempdir().unwrap();
@@ -384,7 +384,7 @@ fn the_largest_of_several_models_is_read() {
     assert_eq!(read(&folder.path().join("sparse/0")).photos.len(), 2);
 }
 
-/// The dense stage undistorts photographs under the same names.
+/// The dense stage undistorts images under the same names.
 #[test]
 fn the_images_nearest_to_the_model_are_used() {
     let folder = tempfile::tempdir().unwrap();
@@ -505,7 +505,7 @@ fn neighbouring_views_are_those_at_the_smallest_angles() {
     assert!(ViewSet::default().neighbours(0, 3).is_empty());
 }
 
-/// COLMAP writes rigs and frames from 3.12 on; poses are still those of the images.
+/// COLMAP writes rigs and frames from 3.12 on; poses are still of the images.
 #[test]
 fn rigs_and_frames_alongside_a_model_change_nothing() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Cameras that filmed: a sequence whose every frame is a set of photographs, as anybody opens it.
+//! Multi-view video: a sequence whose every frame is a set of images, opened as a user does.
 
 use super::scene::Scene;
 use image::{Rgb, RgbImage};
@@ -11,7 +11,7 @@ use std::path::Path;
 
 const TIME_STEPS: usize = 3;
 
-/// Photographs of one colour each: red is the moment, green the camera.
+/// Images of one colour each: red is the time step, green the camera.
 fn write_image(scene: &Scene, path: &Path, time_step: usize, camera: usize) {
     fs::create_dir_all(path.parent().unwrap()).unwrap();
     let [width, height] = scene.size_px;
@@ -19,7 +19,7 @@ fn write_image(scene: &Scene, path: &Path, time_step: usize, camera: usize) {
     RgbImage::from_pixel(width, height, color).save(path).unwrap();
 }
 
-/// A folder for each camera beside the model of COLMAP, with points of each moment.
+/// A folder per camera next to the model of COLMAP, with points of each time step.
 fn write_multiview_video(scene: &Scene, folder: &Path) {
     scene.write_colmap_text(folder);
     fs::remove_dir_all(folder.join("images")).unwrap();

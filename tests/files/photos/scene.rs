@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-/// Photographs around a cloud of points. Cameras have x right, y down, z forward; centres of pixels are at integers.
+/// Images around a cloud of points. Cameras have x right, y down, z forward; centres of pixels are at integers.
 pub(crate) struct Scene {
     pub(crate) size_px: [u32; 2],
     pub(crate) focal_px: DVec2,
@@ -19,7 +19,7 @@ pub(crate) struct Scene {
 }
 
 impl Scene {
-    /// One that every format can hold: one focal length, the principal point in the middle, no distortion.
+    /// One that every format can hold: one focal length, the principal point at the centre, no distortion.
     pub(crate) fn simple() -> Self {
         let size_px = [64, 48];
         let pose = |index: usize| {
@@ -45,7 +45,7 @@ impl Scene {
         }
     }
 
-    /// Two focal lengths, and a principal point that is off the middle.
+    /// Two focal lengths, and a principal point that is off the centre.
     pub(crate) fn off_center() -> Self {
         Self {
             focal_px: DVec2::new(90.0, 84.0),
@@ -62,7 +62,7 @@ impl Scene {
         }
     }
 
-    /// Where a photograph shows a point of the world; not finite where one of both is not.
+    /// The pixel at which an image shows a point of the world; not finite where either is not.
     pub(crate) fn pixel(&self, photo: usize, point: DVec3) -> DVec2 {
         let (turn, shift) = self.poses[photo];
         let at = turn * point + shift;
@@ -88,7 +88,7 @@ impl Scene {
         format!("view_{photo:02}.png")
     }
 
-    /// Photographs, each of a colour of its own.
+    /// Images, each of a colour of its own.
     pub(crate) fn write_photos(&self, folder: &Path) {
         fs::create_dir_all(folder).unwrap();
         for photo in 0..self.poses.len() {
@@ -100,7 +100,7 @@ impl Scene {
         }
     }
 
-    /// w x y z of the turn of a photograph.
+    /// Rotation of an image as w x y z.
     fn quaternion(&self, photo: usize) -> [f64; 4] {
         let quaternion = glam::DQuat::from_mat3(&self.poses[photo].0);
         [quaternion.w, quaternion.x, quaternion.y, quaternion.z]
@@ -116,7 +116,7 @@ impl Scene {
         }
     }
 
-    /// Point `index` is feature `index` of each photograph. Rows are written backwards, as no order is promised.
+    /// Point `index` is feature `index` of each image. Rows are written backwards, as no order is promised.
     pub(crate) fn write_colmap_text(&self, folder: &Path) {
         let model = folder.join("sparse/0");
         fs::create_dir_all(&model).unwrap();
@@ -191,7 +191,7 @@ impl Scene {
         fs::write(model.join("points3D.bin"), points).unwrap();
     }
 
-    /// Cameras look along −z with y up; keys are told from the middle of the image, y up.
+    /// Cameras look along −z with y up; keys are relative to the centre of the image, y up.
     pub(crate) fn write_bundler(&self, folder: &Path) {
         self.write_photos(folder);
         let (cameras, points) = (self.poses.len(), self.points.len());
@@ -224,7 +224,7 @@ impl Scene {
         self.pixel(photo, point) - 0.5 * DVec2::new(f64::from(width) - 1.0, f64::from(height) - 1.0)
     }
 
-    /// With a fixed calibration where one focal length and the middle are not enough.
+    /// With a fixed calibration where one focal length and the centre are not enough.
     pub(crate) fn write_nvm(&self, folder: &Path) {
         self.write_photos(folder);
         let [width, height] = self.size_px;
@@ -370,7 +370,7 @@ impl Scene {
         fs::write(folder.join("transforms.json"), file.to_string()).unwrap();
     }
 
-    /// In the folder `below` the one of the images; lengths are parts of the longer side, counted from the middle.
+    /// In the folder `below` the images' one; lengths are fractions of the longer side, relative to the centre.
     pub(crate) fn write_opensfm(&self, folder: &Path, below: &str) {
         self.write_photos(&folder.join("images"));
         let longer = f64::from(self.size_px[0].max(self.size_px[1]));

@@ -1,5 +1,5 @@
-//! What is wrong with one photograph, or with all files of photographs, costs those alone; dense clouds count more than
-//! sparse points.
+//! Errors in one image, or in all image files, cost these alone; dense clouds take precedence over sparse
+//! reconstructions.
 
 use super::{Scene, WRITERS, read};
 use crate::data::shared;

@@ -1,4 +1,4 @@
-//! Recordings with something wrong: each is said with the file, and nothing else is lost.
+//! Recordings with something wrong: each is reported with the file, and nothing else is lost.
 
 use super::recording::{HEIGHT, LAYOUTS, Recording, WIDTH, gray, pclzf, written};
 use super::{open, open_with};

@@ -1,4 +1,4 @@
-//! Which camera, which units and which poses are taken where files say little, and that it is said.
+//! Which camera, which units and which poses are taken where files state little, and that this is reported.
 
 use super::recording::{FRAMES, HEIGHT, Recording, WIDTH, gray, unless_hole, written};
 use super::{open, points, rewritten};

@@ -1,4 +1,4 @@
-//! Usual filters say what they drop, and never drop most of an image.
+//! Usual filters report the pixels they drop, and never drop most of an image.
 
 use super::open_with;
 use super::recording::{HEIGHT, WIDTH, gray};
@@ -9,7 +9,7 @@ use pointreel::source::RgbdOptions;
 use std::fs;
 use std::path::Path;
 
-/// A wall at 2 m with `far` of ten rows at 12 m; nothing says the units, which are given.
+/// A wall at 2 m with `far` of ten rows at 12 m; no file states the units, which are given.
 fn open(folder: &Path, far: u32, is_automatic: bool) -> Sequence {
     fs::create_dir_all(folder.join("depth")).unwrap();
     for frame in 0..3 {

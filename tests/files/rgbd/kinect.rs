@@ -1,4 +1,4 @@
-//! Recordings of an Azure Kinect: its modes, its colours, and what may be wrong with them.
+//! Recordings of an Azure Kinect: its modes, its colours, and possible faults of both.
 
 use super::layouts::check_frame;
 use super::matroska::{TrackOf, mkv};
@@ -67,7 +67,7 @@ fn depth_mm((x, y): (u32, u32)) -> u16 {
     }
 }
 
-/// Red and green say where a pixel of the colour image is.
+/// Red and green encode the position of a pixel of the colour image.
 fn color_at((x, y): (u32, u32)) -> [u8; 3] {
     [(x / 6) as u8, (y / 4) as u8, 90]
 }
@@ -134,7 +134,7 @@ fn point((x, y): (u32, u32)) -> DVec3 {
     DVec3::new(right, down, 1.0) * z
 }
 
-/// Where the colour camera sees a point: its sensor has 1280 × 960 pixels, of which 120 lines are cut at the top.
+/// Pixel of a point in the colour camera: its sensor has 1280 × 960 pixels; 120 lines are cut at the top.
 fn color_pixel(point: DVec3) -> DVec2 {
     let seen = color_turn() * point + DVec3::from_array(COLOR_AT);
     let [cx, cy, fx, fy] = COLOR;
@@ -284,7 +284,7 @@ fn colors_may_be_raw_pixels() {
     }
 }
 
-/// A camera may be told to take depths later than colours, almost a frame.
+/// A camera may be set to take depth images later than colour images, by almost a frame.
 #[test]
 fn a_delay_between_the_cameras_is_taken_into_account() {
     let folder = tempfile::tempdir().unwrap();

@@ -10,7 +10,7 @@ use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
-/// The folder of a layout below `root`, and what has to be said of it.
+/// The folder of a layout below `root`, and the options it requires.
 pub(crate) fn written(root: &Path, name: &str) -> (std::path::PathBuf, RgbdOptions) {
     let (_, write, _) = LAYOUTS.iter().find(|(known, ..)| *known == name).unwrap();
     let folder = root.join(name.replace(' ', "_"));
@@ -134,7 +134,7 @@ fn posed_frames_become_one_cloud() {
     }
 }
 
-/// Nothing in it was registered: colours have a camera of their own, and depths are those of the other one.
+/// Nothing in it was registered: colours have a camera of their own, and depth images another.
 #[test]
 fn seven_scenes_colors_come_from_a_camera_next_to_the_depth_camera() {
     let root = tempfile::tempdir().unwrap();
@@ -168,7 +168,7 @@ fn seven_scenes_colors_come_from_a_camera_next_to_the_depth_camera() {
     }
 }
 
-/// What `info --json` says of cameras is what `--intrinsics` takes.
+/// The cameras in `info --json` are valid for `--intrinsics`.
 #[test]
 fn json_cameras_are_read_from_two_places() {
     let root = tempfile::tempdir().unwrap();

@@ -101,7 +101,7 @@ pub(crate) fn mkv(tracks: &[TrackOf<'_>], tags: &[(&str, String)], calibration: 
     .concat()
 }
 
-/// A cluster for what was taken within 32 milliseconds.
+/// A cluster for the frames taken within 32 milliseconds.
 fn clusters(tracks: &[TrackOf<'_>]) -> Vec<u8> {
     let mut frames: Vec<(u64, u8, &[u8])> = Vec::new();
     for (at, track) in tracks.iter().enumerate() {

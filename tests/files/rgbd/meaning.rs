@@ -113,7 +113,7 @@ fn numpy_depths_in_metres_are_read_with_a_guessed_camera_note() {
     assert!(said.contains("depths in floats are metres"), "{said}");
 }
 
-/// The whole room, in pictures as well: not the strip that is left of it in millimetres.
+/// The whole room, in rendered images as well: not the strip that is left of it in millimetres.
 #[test]
 fn slambook_frames_cover_the_whole_room() {
     let Some(folder) = shared("meaning/slambook_dense") else {

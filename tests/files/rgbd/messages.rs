@@ -11,7 +11,7 @@ use pointreel::source::RgbdOptions;
 use std::fs;
 use std::path::Path;
 
-/// What a layout of messages has.
+/// Properties of a layout of messages.
 pub(crate) const HAS: Has = Has {
     poses: false,
     times: true,
@@ -25,7 +25,7 @@ const COLOR_FRAME: &str = "camera_color_optical_frame";
 
 /// An image as it is recorded.
 pub(crate) struct Packed {
-    /// What is added to the name of the topic.
+    /// Suffix of the topic's name.
     end: &'static str,
     encoding: String,
     /// Byte order and bytes of a row, of images that are not compressed.
@@ -87,7 +87,7 @@ fn metres(depths: &[u16]) -> impl Iterator<Item = f32> {
     })
 }
 
-/// Before depths stand the parameters of their quantisation, which is none in 16 bits.
+/// The parameters of the quantisation precede depths; 16 bits are not quantised.
 fn with_head(data: &[u8], [a, b]: [f32; 2]) -> Vec<u8> {
     [&[0; 4], &a.to_le_bytes(), &b.to_le_bytes(), data].concat()
 }
@@ -128,11 +128,11 @@ fn rvl(depths: &[u16]) -> Vec<u8> {
         .collect()
 }
 
-/// How depths are written, and colours.
+/// Encodings of depths, and of colours.
 pub(crate) type WriteDepth = fn(&[u16]) -> Packed;
 pub(crate) type WriteColor = fn(&[[u8; 3]]) -> Packed;
 
-/// Every way to write depths.
+/// Every encoding of depths.
 pub(crate) const DEPTHS: &[(&str, WriteDepth)] = &[
     ("16UC1", |depths| raw("16UC1", 2, &little(depths), false)),
     ("mono16, big endian", |depths| {
@@ -159,7 +159,7 @@ pub(crate) const DEPTHS: &[(&str, WriteDepth)] = &[
     }),
 ];
 
-/// Every way to write colours that keeps them.
+/// Every lossless encoding of colours.
 pub(crate) const COLORS: &[(&str, WriteColor)] = &[
     ("rgb8", |colors| raw("rgb8", 3, &colors.concat(), false)),
     ("bgr8", |colors| {
@@ -262,7 +262,7 @@ fn every_image_encoding_gives_the_same_points() {
     }
 }
 
-/// Colours of JPEG are near, those of one channel are grey.
+/// Colours of JPEG are near, one channel gives grey.
 #[test]
 fn lossy_colors_are_close() {
     let folder = tempfile::tempdir().unwrap();
@@ -328,7 +328,7 @@ fn inverse_depths_are_accurate_to_their_quantisation() {
     }
 }
 
-/// Where the colour camera is from the depth camera.
+/// Position of the colour camera relative to the depth camera.
 fn color_from_depth() -> DAffine3 {
     DAffine3::from_rotation_y(0.02) * DAffine3::from_translation(DVec3::new(-0.025, 0.004, 0.001))
 }

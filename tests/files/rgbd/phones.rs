@@ -89,7 +89,7 @@ pub(crate) fn scanner_app(recording: &Recording, folder: &Path) -> RgbdOptions {
     RgbdOptions::default()
 }
 
-/// `has_size`: newer versions say the size of depth images.
+/// `has_size`: newer versions state the size of depth images.
 fn record3d(recording: &Recording, path: &Path, has_size: bool) {
     let mut writer = zip::ZipWriter::new(Cursor::new(Vec::new()));
     let options = zip::write::SimpleFileOptions::default();
@@ -157,7 +157,7 @@ fn record3d_archives_give_the_same_recording() {
     assert!(error.contains("walk.r3d") && error.contains("archive"), "{error}");
 }
 
-/// Films are not decoded: the size that the matrix is for is told by its principal point.
+/// Videos are not decoded: the size that the matrix is for is estimated from its principal point.
 #[test]
 fn the_camera_matrix_of_a_video_is_for_larger_images() {
     let folder = tempfile::tempdir().unwrap();
@@ -200,7 +200,7 @@ fn the_camera_matrix_of_a_video_is_for_larger_images() {
     );
 }
 
-/// Films of phones have more images than the depth camera, and theirs are larger.
+/// Videos of phones have more images than the depth camera, and larger ones.
 #[test]
 fn colors_of_a_larger_image_fall_on_their_points() {
     let folder = tempfile::tempdir().unwrap();

@@ -96,7 +96,7 @@ fn merged_frames_of_redwood_have_all_points() {
     assert_eq!(cloud.positions.finite_bounds().0, cloud.positions.len());
 }
 
-/// The first of the merged frames beside the same frame alone. Filtered, its points are on planes.
+/// The first of the merged frames compared with the same frame alone. Filtered, its points are on planes.
 #[test]
 fn merged_frames_of_redwood_have_normals_facing_their_cameras() {
     let of = |filters, merge| {

@@ -14,7 +14,7 @@ pub(crate) const WIDTH: u32 = 64;
 pub(crate) const HEIGHT: u32 = 48;
 pub(crate) const FRAMES: usize = 3;
 
-/// fx, fy, cx, cy: those of TUM, for images a tenth as large.
+/// fx, fy, cx, cy: TUM's, for images a tenth as large.
 pub(crate) const CAMERA: [f64; 4] = [52.5, 52.5, 31.5, 23.5];
 
 /// Three frames of a wavy wall with holes.
@@ -126,10 +126,10 @@ fn named_camera() -> RgbdOptions {
     }
 }
 
-/// Writes the recording into a folder; says what a person has to say to open it.
+/// Writes the recording into a folder; returns the options that open it.
 pub(crate) type Write = fn(&Recording, &Path) -> RgbdOptions;
 
-/// Whether poses, stamps and exact depths are in a layout.
+/// Presence of poses, stamps and exact depths in a layout.
 pub(crate) struct Has {
     pub(crate) poses: bool,
     pub(crate) times: bool,

@@ -68,7 +68,7 @@ pub(crate) fn scannet_info(recording: &Recording, folder: &Path) -> RgbdOptions 
     RgbdOptions::default()
 }
 
-/// Names of 7-Scenes, PGM in place of PNG, and the camera next to them.
+/// Names of 7-Scenes, PGM instead of PNG, and the camera next to them.
 pub(crate) fn tsdf_fusion(recording: &Recording, folder: &Path) -> RgbdOptions {
     for frame in 0..FRAMES {
         let file = |end: &str| folder.join(format!("frame-{frame:06}.{end}"));
@@ -150,7 +150,7 @@ pub(crate) fn npz(recording: &Recording, folder: &Path) -> RgbdOptions {
     RgbdOptions::default()
 }
 
-/// Images that are counted from 1, 5000 units per metre that nothing says, and a place and a rotation per line.
+/// Images counted from 1, 5,000 units per metre that no file states, and a position and a rotation per line.
 pub(crate) fn slambench(recording: &Recording, folder: &Path) -> RgbdOptions {
     for sub in ["depth", "color"] {
         fs::create_dir(folder.join(sub)).unwrap();

@@ -1,5 +1,5 @@
-//! What messages tell beyond images of one camera at rest: colours that neighbours share, cameras that move, parts of a
-//! sensor; in every container.
+//! Contents of messages beyond images of one static camera: colours that neighbours share, cameras that move, parts of
+//! a sensor; in every container.
 
 use super::layouts::check_frame;
 use super::messages::{COLORS, DEPTH_FRAME, DEPTHS, HAS, Packed, WriteColor, check, one_camera, open, raw};
@@ -116,7 +116,7 @@ fn transform(kind: Kind, topic: &str, time_us: u64, [parent, child]: [&str; 2], 
     }
 }
 
-/// A robot drives, the camera is mounted on it: poses are those of the camera in the root of its links.
+/// A robot drives, the camera is mounted on it: poses are the camera's in the root of its links.
 #[test]
 fn poses_come_from_moving_frames() {
     let root = tempfile::tempdir().unwrap();
@@ -169,7 +169,7 @@ fn poses_come_from_moving_frames() {
     }
 }
 
-/// The part of a sensor that a driver sends, two by two pixels in one: its camera is that of the recording.
+/// The part of a sensor that a driver sends, two by two pixels in one: its camera is the recording's.
 #[test]
 fn parts_of_images_have_the_camera_of_the_sensor() {
     let root = tempfile::tempdir().unwrap();

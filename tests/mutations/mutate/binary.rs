@@ -2,7 +2,7 @@
 
 use crate::random::Random;
 
-/// Bytes at which what decides on the rest usually is.
+/// Number of leading bytes that mostly decide on the rest.
 const HEAD_BYTES: usize = 256;
 
 /// Whole numbers that tend to be wrong: edges of types, signs, sizes that nothing has.
@@ -48,7 +48,7 @@ const FLOATS: [f64; 12] = [
     0.5,
 ];
 
-/// A place in `bytes`: often at the beginning or the end, where heads and directories are.
+/// An offset in `bytes`: often at the beginning or the end, where heads and directories are.
 fn place(bytes: &[u8], random: &mut Random) -> usize {
     let count = bytes.len();
     match random.below(6) {

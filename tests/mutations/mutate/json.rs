@@ -1,4 +1,4 @@
-//! Changes of the values of JSON, so that what is written is JSON still.
+//! Changes of the values of JSON, so that the result is still JSON.
 
 use super::text;
 use crate::random::Random;
@@ -26,7 +26,7 @@ fn count(value: &Value) -> usize {
     }
 }
 
-/// Changes the value that `place` values come before. Whether it was found.
+/// Changes the value after `place` others. Returns true if it was found.
 fn change(value: &mut Value, place: &mut usize, random: &mut Random) -> bool {
     if *place == 0 {
         change_here(value, random);

@@ -1,4 +1,4 @@
-//! Changes of files by what they are made of: numbers in bytes, words in text, values in JSON.
+//! Changes of files by their contents: numbers in bytes, words in text, values in JSON.
 
 mod binary;
 mod json;
@@ -6,7 +6,7 @@ mod text;
 
 use crate::random::Random;
 
-/// What a file is made of.
+/// Contents of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Shape {
     Binary,
@@ -19,7 +19,7 @@ pub(crate) enum Shape {
 /// No mutation makes a file larger than this.
 const MAX_BYTES: usize = 1 << 20;
 
-/// Changes `bytes`; `other` is a file of the same kind, parts of which may come into this one.
+/// Changes `bytes`; `other` is a file of the same kind, parts of it may be inserted into this one.
 pub(crate) fn mutate(shape: Shape, bytes: &mut Vec<u8>, other: &[u8], random: &mut Random) {
     let changes = [1, 1, 1, 2, 3, 6][random.below(6)];
     for _ in 0..changes {

@@ -4,7 +4,7 @@ use super::binary;
 use crate::random::Random;
 use std::ops::Range;
 
-/// What stands in for a number.
+/// Replacements of a number.
 const NUMBERS: [&str; 24] = [
     "nan",
     "-nan",
@@ -35,7 +35,7 @@ const NUMBERS: [&str; 24] = [
 /// Bytes of a file with a head of text that can be the head.
 const HEAD_BYTES: usize = 512;
 
-/// Words and the spaces between them are parted by these.
+/// Words and the spaces between them are separated by these.
 fn is_word(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || matches!(byte, b'.' | b'-' | b'+' | b'_')
 }

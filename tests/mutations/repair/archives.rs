@@ -22,7 +22,7 @@ pub(super) fn repair_tar(bytes: &mut [u8]) {
     }
 }
 
-/// The checksum of `packed`, unpacked as far as it can be, and how many bytes that are.
+/// The checksum of `packed`, unpacked as far as possible, and the number of bytes.
 fn unpacked(packed: &[u8]) -> (u32, u64) {
     let mut bytes = Vec::new();
     // A reader sees whatever is unpacked before the damage.
@@ -77,7 +77,7 @@ pub(super) fn repair_zip(bytes: &mut [u8]) {
     }
 }
 
-/// Of the member of an entry of the directory; `None` of those that are packed in a way that is not known here.
+/// Checksum of the member of an entry of the directory; `None` for an unknown compression method.
 fn member_crc(bytes: &[u8], entry: usize) -> Option<u32> {
     let method = u16_at(bytes, entry + 10)?;
     let count = u32_at(bytes, entry + 20)? as usize;

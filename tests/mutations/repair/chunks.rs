@@ -57,7 +57,7 @@ pub(super) fn repair_png(bytes: &mut [u8]) {
     }
 }
 
-/// The length of the file; and where two chunks do not fill it, that of the last one.
+/// The length of the file; and where two chunks do not fill it, the length of the last one.
 pub(super) fn repair_glb(bytes: &mut [u8]) {
     if !bytes.starts_with(b"glTF") {
         return;
@@ -71,7 +71,7 @@ pub(super) fn repair_glb(bytes: &mut [u8]) {
     }
 }
 
-/// Checksums of chunks that are not packed; those of others are taken out (0 is none).
+/// Checksums of chunks that are not packed; others are removed (0 is none).
 pub(super) fn repair_mcap(bytes: &mut [u8]) {
     const CHUNK: u8 = 6;
     let mut place = 8;

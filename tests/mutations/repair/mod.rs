@@ -1,5 +1,5 @@
-//! What a changed file needs to get past the first check: its checksums and lengths made right again, as somebody would
-//! who means harm. Each repair leaves a file that nobody changed as it is.
+//! Repairs that get a changed file past the first check: correct checksums and lengths, as an attacker would write.
+//! Each repair leaves an unchanged file as it is.
 
 mod archives;
 mod chunks;
@@ -7,7 +7,7 @@ mod reel;
 
 use crate::random::Random;
 
-/// A checksum, or a length that others are held against.
+/// A checksum, or a length that others are compared with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Repair {
     Nothing,
@@ -66,13 +66,13 @@ fn u16_at(bytes: &[u8], place: usize) -> Option<usize> {
     Some(usize::from(u16::from_le_bytes(field.try_into().ok()?)))
 }
 
-/// Eight bytes of `bytes` as a number, lowest first; what no file has is more than any file has.
+/// Eight bytes of `bytes` as a number, lowest first; `usize::MAX` if it does not fit.
 fn u64_at(bytes: &[u8], place: usize) -> Option<usize> {
     let field = bytes.get(place..place.checked_add(8)?)?;
     Some(usize::try_from(u64::from_le_bytes(field.try_into().ok()?)).unwrap_or(usize::MAX))
 }
 
-/// Writes `field` at `place`, if there is room.
+/// Writes `field` at `place`, if there is space.
 fn put(bytes: &mut [u8], place: usize, field: &[u8]) {
     if let Some(there) = bytes.get_mut(place..).and_then(|rest| rest.get_mut(..field.len())) {
         there.copy_from_slice(field);

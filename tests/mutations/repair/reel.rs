@@ -16,7 +16,7 @@ fn find_chunk(bytes: &[u8], from: usize) -> Option<usize> {
     Some(from + place)
 }
 
-/// Takes the index and what says where it is from the end: groups are found one by one then.
+/// Removes the index and its position from the end: groups are then found one by one.
 pub(super) fn drop_index(bytes: &mut Vec<u8>) {
     let mut from = 0;
     while let Some(start) = find_chunk(bytes, from) {
@@ -95,14 +95,14 @@ impl Cursor<'_> {
     }
 }
 
-/// Where the checksum of a section is, and its data.
+/// Position of the checksum of a section, and its data.
 struct Section {
     crc_place: usize,
     offset: usize,
     byte_count: usize,
 }
 
-/// `contents` of a group: a directory of so many bytes, and the data of its sections.
+/// `contents` of a group: a directory of this many bytes, and the data of its sections.
 fn repair_sections(contents: &mut [u8], directory_bytes: usize) {
     let mut sections = Vec::new();
     // Everything before an unreadable position is repaired.
@@ -148,7 +148,7 @@ fn find_sections(directory: &[u8], sections: &mut Vec<Section>) -> Option<()> {
     Some(())
 }
 
-/// How many scalars it has.
+/// Its number of scalars.
 fn skip_schema(cursor: &mut Cursor<'_>) -> Option<usize> {
     let bits = cursor.number()?;
     cursor.skip(4)?;

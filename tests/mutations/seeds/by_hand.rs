@@ -1,11 +1,11 @@
-//! Seeds that are written here: text by hand, recordings of a few images, and what `written.rs` writes.
+//! Seeds that are written here: text by hand, recordings of a few images, and the files of `written.rs`.
 
 use super::project;
 use super::written::{draco, e57, packed, splats, spz, tar_of, zip_of};
 use crate::cases::Case;
 use std::fs;
 
-/// The files of each format of photographs in `fuzz/seeds/photos`, as in the fuzz target of that name.
+/// The files of each format of posed images in `fuzz/seeds/photos`, as in the fuzz target of that name.
 const PHOTOS: [&[&str]; 11] = [
     &["cameras.bin", "images.bin", "points3D.bin"],
     &["cameras.txt", "images.txt", "points3D.txt"],
@@ -20,7 +20,7 @@ const PHOTOS: [&[&str]; 11] = [
     &["calib.txt"],
 ];
 
-/// A picture of 8 × 6 pixels, grey.
+/// An image of 8 × 6 pixels, grey.
 const PICTURE: &[u8] = b"P5\n8 6\n255\n................................................";
 
 const SESSION: &str = r#"{"pointreel_session":1,"files":["a.xyz","b.xyz"],"reading":{"no_data":"auto"},"frame":1,
@@ -36,7 +36,7 @@ const SESSION: &str = r#"{"pointreel_session":1,"files":["a.xyz","b.xyz"],"readi
 
 const ROWS: &str = "0 0 0 10 20 30\n1 0 0 40 50 60\n0 1 0 70 80 90\n0 0 1 200 210 220\n1 1 1 0 0 0\n";
 
-/// What is written here by hand, or made of fixtures.
+/// Files written here by hand, or made of fixtures.
 pub(super) fn by_hand() -> Vec<Case> {
     let hex: String = fs::read_to_string(project().join("src/wire/test_vector.txt")).unwrap();
     let hex: Vec<u8> = hex.bytes().filter(u8::is_ascii_hexdigit).collect();
@@ -104,7 +104,7 @@ fn photos() -> Vec<Case> {
         let (choice, bytes) = bytes.split_first().unwrap();
         let names = PHOTOS[usize::from(*choice) % PHOTOS.len()];
         let text = String::from_utf8_lossy(bytes);
-        // Binary data comes alone, or separated in the same way.
+        // Binary data comes alone, or separated likewise.
         let parts: Vec<Vec<u8>> = match std::str::from_utf8(bytes) {
             Ok(_) => text.split("\n%%\n").map(|part| part.as_bytes().to_vec()).collect(),
             Err(_) => parted(bytes),

@@ -1,4 +1,4 @@
-//! What mutations begin with: the project's fixtures, files made of them in other formats, and small files of folders
+//! Seeds of mutations: the project's fixtures, files made of them in other formats, and small files of folders
 //! that are named.
 
 mod by_hand;
@@ -10,7 +10,7 @@ use by_hand::{by_hand, one};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Larger files make slow seeds; what is in them is in small ones too.
+/// Larger files make slow seeds; small ones have the same contents.
 const MAX_BYTES: u64 = 64 << 10;
 
 /// Seeds of one kind from one folder that is named.
@@ -52,7 +52,7 @@ pub(crate) fn gather(folder: &Path, named: &[PathBuf]) {
     copy_all(&project().join("fuzz/seeds/mutations"), folder);
 }
 
-/// Adds what was found before: what is next to it is likely to be wrong too.
+/// Adds earlier findings: similar files are likely to fail too.
 pub(crate) fn gather_corpus(folder: &Path) {
     copy_all(&project().join("tests/data/hostile"), folder);
 }
@@ -71,7 +71,7 @@ fn copy_all(from: &Path, to: &Path) {
     }
 }
 
-/// Files below `from` whose extensions are those of kinds.
+/// Files below `from` with the extension of a kind.
 fn gather_files(from: &Path, folder: &Path, max_of_kind: usize) {
     let mut counts = std::collections::BTreeMap::new();
     let mut folders = vec![from.to_owned()];

@@ -42,7 +42,7 @@ pub(super) fn draco(has_faces: bool) -> Vec<u8> {
     written.data().to_vec()
 }
 
-/// Places, half axes, colours and turns of 32 bytes each.
+/// Positions, half axes, colours and rotations, 32 bytes each.
 pub(super) fn splats() -> Vec<u8> {
     let splat = |index: u8| {
         let floats = [f32::from(index), 0.5, -1.0, 0.1, 0.2, 0.01]
@@ -53,7 +53,7 @@ pub(super) fn splats() -> Vec<u8> {
     (0..20).flat_map(splat).collect()
 }
 
-/// Two splats, not packed yet: places in 4096ths, opacities, colours, sizes, turns.
+/// Two splats, not packed yet: positions in 4096ths, opacities, colours, sizes, rotations.
 pub(super) fn spz(version: u32) -> Vec<u8> {
     let mut file = [
         &b"NGSP"[..],

@@ -1,4 +1,4 @@
-//! Labels in exported pictures and videos: at the pixel of their point, in whatever parts a picture is drawn.
+//! Labels in exported images and videos: at the pixel of their point, whatever the tiles of the image.
 
 use super::headless_of;
 use glam::{DVec2, DVec3};
@@ -15,10 +15,10 @@ use pointreel::timeline::PlayRange;
 use std::sync::Arc;
 
 const SIZE_PX: [u32; 2] = [400, 300];
-/// Of the dot at the point.
+/// Colour of the dot at the point.
 const TINT: [u8; 3] = [255, 190, 60];
 
-/// A hundred points on a line that move by a tenth a frame; frames have them in turned order in memory only.
+/// A hundred points on a line that move by a tenth per frame; frames have them in turned order in memory only.
 fn moving() -> Sequence {
     let entries = (0..5).map(|number| FrameEntry {
         number: Some(number),
@@ -82,7 +82,7 @@ fn drawn(headless: &mut Headless, index: usize, options: &ComposeOptions, part_e
     .unwrap()
 }
 
-/// The middle of what has the colour of dots.
+/// The centre of the pixels in the colour of dots.
 fn dot(picture: &RgbaImage) -> Option<DVec2> {
     let is_tint = |Rgba([red, green, blue, _]): &Rgba<u8>| [*red, *green, *blue] == TINT;
     let dots: Vec<DVec2> = picture

@@ -1,4 +1,4 @@
-//! Pictures drawn in parts and with alpha, and videos that other decoders read back.
+//! Images drawn in tiles and with alpha, and videos that other decoders read back.
 
 mod labels;
 mod pictures;
@@ -32,7 +32,7 @@ fn style() -> Style {
     })
 }
 
-/// Frame 6 of the demo from near by: it reaches over the edges of the picture.
+/// Frame 6 of the demo from near by: it reaches over the edges of the image.
 fn near_by(headless: &Headless, style: &Style) -> (Arc<PreparedFrame>, Camera) {
     let frame = headless.frame(6, style).unwrap();
     let look = headless.first_look().unwrap();

@@ -1,4 +1,4 @@
-//! Parts of a picture beside the whole of it, and alpha.
+//! Tiles of an image compared with the whole, and alpha.
 
 use super::{headless, near_by, style};
 use crate::common;
@@ -17,8 +17,7 @@ use std::sync::{Arc, Mutex};
 
 const SIZE_PX: [u32; 2] = [300, 220];
 
-/// How near a picture drawn in parts is to one drawn whole: in dB, and as the number of pixels that anybody could see
-/// to be others.
+/// Difference of an image drawn in tiles from one drawn whole: in dB, and as the number of visibly different pixels.
 fn parts_beside_whole(renderer: AnyRenderer, style: &Style) -> (f64, usize) {
     let mut headless = headless(renderer);
     let (frame, camera) = near_by(&headless, style);
@@ -50,8 +49,8 @@ fn parts_beside_whole(renderer: AnyRenderer, style: &Style) -> (f64, usize) {
     (db, others.count())
 }
 
-/// Places within a part are rounded otherwise. Where squares are cut off at once, as the mode `regular` does, a pixel
-/// whose middle is on a border may be inside in one picture and outside in the other: here 4 of 66,000 are.
+/// Positions within a tile are rounded differently. Where squares end abruptly, as in the mode `regular`, a pixel whose
+/// centre is on a border may be inside in one image and outside in the other: here 4 of 66,000 are.
 const MAX_BORDER_PIXELS: usize = 10;
 
 fn ways() -> Vec<Style> {
@@ -109,7 +108,7 @@ fn the_cpu_draws_the_same_image_in_tiles() {
     }
 }
 
-/// Masks are made for directions in the middles of sectors of the picture, which are those of its parts then.
+/// Masks are made for directions at the centres of sectors of the image, which are then the sectors of its tiles.
 #[test]
 fn byte_codes_are_nearly_the_same_in_tiles() {
     for (footprint, min_db) in [(Footprint::Masks, 35.0), (Footprint::Pixels, 60.0)] {

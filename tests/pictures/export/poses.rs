@@ -21,7 +21,7 @@ fn size() -> PictureSize {
     PictureSize::opaque([160, 90])
 }
 
-/// Forty white points above each other, which walk two units a frame.
+/// Forty white points above each other, which walk two units per frame.
 fn walk() -> Headless {
     let sources = (0..FRAMES).map(|frame| FrameEntry::file(format!("/walk/{frame}.ply")));
     let sequence = Sequence::with_decoder(sources.collect(), |source| {
@@ -45,7 +45,7 @@ fn style() -> Style {
     })
 }
 
-/// The whole way, from the front.
+/// The whole trajectory, from the front.
 fn path() -> CameraPath {
     let bounds = Aabb {
         min: [-0.5, -1.0, -0.1].into(),
@@ -56,8 +56,7 @@ fn path() -> CameraPath {
     CameraPath::turntable(camera, 0.0, [FRAMES as f64, 10.0], [0.0, 1.0]).unwrap()
 }
 
-/// The pictures of a video with `options`, each of which is compared with the single picture of its frame; and what was
-/// said.
+/// The images of a video with `options`, each compared with the single image of its frame; and the messages.
 fn pictures(options: &ComposeOptions) -> (Vec<RgbaImage>, Vec<String>) {
     let (path, style) = (path(), style());
     let video = Video {
@@ -106,7 +105,7 @@ fn colors(picture: &RgbaImage, columns: std::ops::Range<u32>) -> HashSet<[u8; 3]
     colors.filter(|color| *color != [0; 3]).collect()
 }
 
-/// Where the column of `frame` is in a picture.
+/// Position of the column of `frame` in an image.
 fn columns(frame: usize) -> std::ops::Range<u32> {
     let (plain, _) = pictures(&ComposeOptions::default());
     let pixels = plain[frame].enumerate_pixels();

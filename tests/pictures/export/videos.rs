@@ -20,7 +20,7 @@ const SIZE_PX: [u32; 2] = [96, 64];
 
 static NO_OPTIONS: ComposeOptions = ComposeOptions::NONE;
 
-/// Seven pictures around the demo, 30 a second, a frame of it each.
+/// Seven images around the demo at 30 fps, one per frame of it.
 fn turntable(style: &Style) -> CameraPath {
     let headless = headless(AnyRenderer::cpu());
     let (_, camera) = near_by(&headless, style);
@@ -51,7 +51,7 @@ fn export(video: &Video<'_>, output: &Path) -> Vec<usize> {
     shown
 }
 
-/// The pictures that a video should show.
+/// The images that a video should show.
 fn expected(video: &Video<'_>) -> Vec<RgbaImage> {
     let mut headless = headless(AnyRenderer::cpu());
     (0..video.picture_count())

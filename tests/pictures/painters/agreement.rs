@@ -1,4 +1,4 @@
-//! Every panel and window of the program, painted with and without a graphics card.
+//! Every panel and window of the program, painted with and without a GPU.
 #![allow(
     clippy::print_stdout,
     reason = "how close they are is worth a look when one changes the painter"
@@ -60,7 +60,7 @@ impl Shown {
         self.harness.run_steps(4);
     }
 
-    /// Pictures as large as they are shown, or half of it and scaled.
+    /// Images as large as they are shown, or half of it and scaled.
     fn fill_pictures(&mut self, share: u32) {
         let viewport = &self.harness.state().viewport;
         let sizes = [viewport.size_px, viewport.other_size_px];

@@ -12,17 +12,17 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Steps of 255 that a channel may differ by: a rounding either way.
+/// Steps of 255 that a channel may differ by: a rounding up or down.
 const TOLERANCE: u8 = 1;
 
-/// Of a million pixels, so many may differ by more: less than a glyph. Those that do (one of some millions) are soft
+/// Of a million pixels, this many may differ by more: less than a glyph. Those that do (one of some millions) are soft
 /// edges under soft edges, where two roundings add up.
 const ODD_PER_MILLION: usize = 20;
 
-/// The pictures in the middle, and how they are scaled. Their ids count from 0.
+/// The images in the centre, and how they are scaled. Their ids count from 0.
 pub(super) type Pictures = Rc<RefCell<Vec<(RgbaImage, TextureFilter)>>>;
 
-/// How the pictures of both painters compared.
+/// Comparison of the images of both painters.
 #[derive(Debug, Default, Clone, Copy)]
 pub(super) struct Comparison {
     pub(super) pixels: usize,
@@ -53,7 +53,7 @@ impl Comparison {
     }
 }
 
-/// Hands everything to both painters, and fails if their pictures are not alike.
+/// Hands everything to both painters, and fails if their images are not alike.
 pub(super) struct Both {
     gpu: Arc<gpu::Context>,
     theirs: egui_wgpu::Renderer,
@@ -66,7 +66,7 @@ pub(super) struct Both {
 }
 
 impl Both {
-    /// `compared` gets the outcome of each picture.
+    /// `compared` gets the outcome of each image.
     pub(super) fn new(pictures: Pictures, compared: Rc<RefCell<Vec<Comparison>>>) -> Self {
         let gpu = common::context();
         // As in the window.
@@ -101,7 +101,7 @@ impl Both {
         })
     }
 
-    /// Both get the pictures, the graphics library as textures.
+    /// Both get the images, the graphics library as textures.
     fn set_pictures(&mut self) {
         self.version += 1;
         let pictures = Rc::clone(&self.pictures);
@@ -139,7 +139,7 @@ impl Both {
         }
     }
 
-    /// What the window shows with a graphics card, RGBA.
+    /// The window's image with a GPU, RGBA.
     fn paint_theirs(&mut self, ctx: &Context, output: &FullOutput, size_px: [u32; 2]) -> Vec<u8> {
         let scale = output.pixels_per_point;
         let primitives = ctx.tessellate(output.shapes.clone(), scale);
@@ -195,7 +195,7 @@ impl Both {
             .collect()
     }
 
-    /// What changed since the last time, and the rest as it was.
+    /// The parts that changed since the last time, and the rest as it was.
     fn paint_ours(&mut self, ctx: &Context, output: &FullOutput, size_px: [u32; 2]) {
         self.pixels.resize((size_px[0] * size_px[1]) as usize, 0x00ff_00ff);
         self.ours
@@ -260,7 +260,7 @@ impl TestRenderer for Both {
     }
 }
 
-/// A picture with edges and slopes, other ones for other seeds.
+/// An image with edges and slopes, other ones for other seeds.
 pub(super) fn picture(size_px: [u32; 2], seed: u64) -> RgbaImage {
     let noise = opaque_picture(size_px[0].max(1), size_px[1].max(1), seed);
     let mut picture = noise;

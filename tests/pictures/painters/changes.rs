@@ -1,4 +1,4 @@
-//! Painting what changed comes to the same as painting all.
+//! Painting only changes gives the same image as painting all.
 
 use super::{Random, opaque_picture};
 use egui::epaint::{ClippedShape, CubicBezierShape, ImageDelta, Mesh, RectShape, Vertex};
@@ -12,7 +12,7 @@ use pointreel::app::paint::{PixelRect, SoftwarePainter};
 const PICTURES: [TextureId; 2] = [TextureId::User(0), TextureId::User(1)];
 const TEXTURES: [TextureId; 2] = [TextureId::Managed(50), TextureId::Managed(51)];
 
-/// What is kept between passes to make a shape again.
+/// The data stored between passes to make a shape again.
 #[derive(Debug, Clone)]
 enum What {
     Shape(Shape),
@@ -236,7 +236,7 @@ impl Scene {
         }
     }
 
-    /// What egui would hand over.
+    /// The output of egui.
     fn shapes(&self, ctx: &Context) -> Vec<ClippedShape> {
         let things = self.things.iter().map(|(clip_rect, what)| {
             let shape = match what {
@@ -257,13 +257,13 @@ impl Scene {
     }
 }
 
-/// A window's buffer, and what has changed since it was painted.
+/// A window's buffer, and the changes since it was painted.
 struct Buffer {
     pixels: Vec<u32>,
     pending: Vec<PixelRect>,
 }
 
-/// Threads share the painting of so many pixels; of parts they do not.
+/// Several threads paint a window this large, one thread paints parts of it.
 #[test]
 fn a_large_window_is_the_same_in_one_piece_and_in_parts() {
     let mut scene = Scene::new(5);

@@ -251,7 +251,7 @@ fn undrawable_meshes_are_skipped() {
         }
     }
     let points = [pos2(2.0, 2.0), pos2(30.0, 3.0), pos2(5.0, 20.0)];
-    // No such vertex, no area, no third corner, no such texture, no such picture.
+    // No such vertex, no area, no third corner, no such texture, no such image.
     for indices in [&[0, 1, 3][..], &[0, 1, u32::MAX], &[0, 1, 1], &[0, 1]] {
         let mesh = triangles(&points, indices, RED);
         // egui's own constructor checks the indices.
@@ -281,7 +281,7 @@ fn a_new_glyph_changes_nothing_that_is_shown() {
     assert!(window.pixels.iter().any(|&pixel| pixel != 0));
     window.show_texts(&["abc"]);
     assert_eq!(window.last_damage, []);
-    // The atlas grows by new glyphs; what is shown stays.
+    // The atlas grows by new glyphs; the image stays.
     window.show_texts(&["abc", "xyz"]);
     let [damage] = window.last_damage[..] else {
         panic!("{:?}", window.last_damage);

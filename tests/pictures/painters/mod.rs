@@ -1,4 +1,4 @@
-//! Painting egui on the processor: known pixels, damage beside painting all, and egui-wgpu's pictures beside it.
+//! Painting egui on the CPU: known pixels, damage compared with painting all, and with egui-wgpu's images.
 
 mod agreement;
 mod beside;
@@ -29,7 +29,7 @@ impl Window {
             painter: SoftwarePainter::new(),
             size_px,
             pictures: Vec::new(),
-            // A marker colour reveals what was never painted.
+            // A marker colour reveals unpainted pixels.
             pixels: vec![0x00ab_cdef; (size_px[0] * size_px[1]) as usize],
             last_damage: Vec::new(),
         };
@@ -61,7 +61,7 @@ impl Window {
         self.show_each(shapes.into_iter().map(|shape| (clip_rect, shape)).collect());
     }
 
-    /// Shows shapes, each with its clip rectangle, and paints what changed.
+    /// Shows shapes, each with its clip rectangle, and paints the changes.
     fn show_each(&mut self, shapes: Vec<(Rect, Shape)>) {
         let shapes = shapes.into_iter().map(|(clip_rect, shape)| ClippedShape {
             clip_rect,

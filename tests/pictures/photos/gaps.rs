@@ -1,4 +1,4 @@
-//! Gaps in a surface of points, closed where photographs show that something is there.
+//! Gaps in a surface of points, closed where input images show that something is there.
 
 use super::*;
 use pointreel::cloud::{Attributes, Frame, Positions, RawCloud};
@@ -6,13 +6,13 @@ use pointreel::rgbd::DepthImage;
 use pointreel::scene::EyeDome;
 use pointreel::sequence::{PrepareCounters, prepare};
 
-/// Where the wall is.
+/// Position of the wall.
 const WALL_Z: f64 = 0.5;
 
 /// Half an edge of the hole in its points.
 const HOLE: f64 = 0.12;
 
-/// Bluish points of a wall that are missing in its middle.
+/// Bluish points of a wall that are missing at its centre.
 fn holed_wall() -> PreparedFrame {
     wall_without(|along| along.iter().all(|along| along.abs() <= HOLE))
 }
@@ -46,7 +46,7 @@ fn wall_without(is_missing: impl Fn([f64; 2]) -> bool) -> PreparedFrame {
     )
 }
 
-/// Two photographs in which the wall is red; measured depths see through a hole that is twice as wide as this.
+/// Two images in which the wall is red; measured depths see through a hole that is twice as wide as this.
 fn red_wall(seen_through: Option<f64>) -> PosedImages {
     let posed_image = |number: usize, azimuth_deg: f64| {
         let (pinhole, camera_from_world) = (pinhole(512), pose(azimuth_deg, 0.0));
@@ -76,7 +76,7 @@ fn gaps(percent: f32) -> Style {
     style().with(|style| style.photos.gaps = percent)
 }
 
-/// Of the pixels around the middle, which the hole is in: those that are red, and those that nothing is in.
+/// Of the pixels around the centre, which contain the hole: the red ones, and the empty ones.
 fn red_and_empty(picture: &RgbaImage) -> (usize, usize) {
     let center = EDGE_PX / 2 - 25..EDGE_PX / 2 + 25;
     let (mut red, mut empty) = (0, 0);
@@ -117,7 +117,7 @@ fn gaps_are_closed_where_images_show_something() {
     assert!(seen_through > open / 2, "{seen_through} of {open}");
 }
 
-/// Along itself it is open to both borders of the picture.
+/// Along itself it is open to both borders of the image.
 #[test]
 fn slits_are_closed_along_their_whole_length() {
     for axis in [0, 1] {
@@ -136,7 +136,7 @@ fn slits_are_closed_along_their_whole_length() {
     }
 }
 
-/// Photographs see through it, and nothing but what is around tells a colour.
+/// Input images see through it, and only its surroundings determine a colour.
 #[test]
 fn specks_take_the_surrounding_color_and_larger_holes_stay() {
     let drawn = |half: f64, percent: f32| {
@@ -184,7 +184,7 @@ fn outlines_do_not_move() {
     assert_eq!(changed.count(), 0);
 }
 
-/// A large picture is drawn in parts.
+/// A large image is drawn in tiles.
 #[test]
 fn image_tiles_include_the_surroundings_they_need() {
     let frame = holed_wall().with_photos(Arc::new(red_wall(None)));

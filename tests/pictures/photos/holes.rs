@@ -1,4 +1,4 @@
-//! What no photograph sees, filled from what is around it.
+//! Parts that no input image sees, filled from their surroundings.
 
 use super::*;
 use crate::common::{draw_with, renderer, set_lighting};
@@ -6,7 +6,7 @@ use pointreel::cloud::Frame;
 use pointreel::scene::{Lighting, PhotoRelight};
 use pointreel::sequence::{PrepareCounters, prepare};
 
-/// The scene in blue points, with photographs of its front in which all is red.
+/// The scene in blue points, with images of its front in which all is red.
 fn red_on_blue() -> PreparedFrame {
     let mut raw = cloud(POINTS);
     let count = raw.positions.len();
@@ -52,7 +52,7 @@ fn holes_take_the_surrounding_colors_and_nothing_else_changes() {
     let blue = count(&own, 2);
     assert!(blue > 10_000 && count(&own, 0) > 5_000, "{blue} pixels are unseen");
     assert_eq!(count(&filled, 2), 0, "blue is left");
-    // What the images show stays, and no pixel outside the surface has a colour.
+    // Parts that the images show stay, and no pixel outside the surface has a colour.
     for (own, filled) in own.pixels().zip(filled.pixels()) {
         assert_eq!(own.0[..3] == [0; 3], filled.0[..3] == [0; 3]);
         // Back sides are darker and have another hue.
@@ -73,14 +73,15 @@ fn filled_images_do_not_depend_on_thread_count() {
     assert_eq!(drawn_by(1), drawn_by(3));
 }
 
-/// Share of the channels that are clearly apart: near steps of depth, photographs are believed or not by a rounding.
+/// Fraction of the channels that are clearly different: near steps of depth, a rounding decides whether images are
+/// used.
 fn share_apart(one: &RgbaImage, other: &RgbaImage) -> f64 {
     let channels = one.as_raw().iter().zip(other.as_raw());
     let apart = channels.filter(|(one, other)| one.abs_diff(**other) > 8).count();
     apart as f64 / one.as_raw().len() as f64
 }
 
-/// From the side, where a third of the surface is unseen by the photographs of its front; by a renderer that has drawn
+/// From the side, where a third of the surface is unseen by the images of its front; by a renderer that has drawn
 /// other sizes and other holes before.
 #[test]
 fn both_renderers_fill_the_same_holes() {
@@ -111,7 +112,7 @@ fn both_renderers_fill_the_same_holes() {
     }
 }
 
-/// What is filled is not black, white or the points' own: all of the surface is red, seen or not.
+/// The fill is not black, white or the points' own: all of the surface is red, seen or not.
 #[test]
 fn the_gpu_fills_holes_with_their_surroundings() {
     let frame = red_on_blue();

@@ -1,8 +1,8 @@
-//! Surfaces have their colours from photographs (Yang et al. 2006): a scene whose every ray has a known colour is
-//! photographed from 36 places and drawn from others.
+//! Surfaces have their colours from input images (Yang et al. 2006): a scene whose every ray has a known colour is
+//! imaged from 36 viewpoints and drawn from others.
 //!
-//! Held: held-out views against ray-traced truth, beside the colours of the same points; a photograph's own view;
-//! steady pictures while the camera turns; what is behind something is not coloured by it; both renderers.
+//! Checked: held-out views against ray-traced truth, compared with the colours of the same points; an input image's own
+//! view; steady images while the camera turns; occluded surfaces are not coloured by their occluder; both renderers.
 
 mod gaps;
 mod holes;
@@ -48,7 +48,7 @@ fn foreground_psnr_db(picture: &RgbaImage, truth: &[[u8; 4]]) -> f64 {
     10.0 * (255.0 * 255.0 * f64::from(count) / sum).log10()
 }
 
-/// Views between those of the photographs.
+/// Views between those of the input images.
 fn held_out() -> Vec<DAffine3> {
     [(15.0, 25.0), (47.0, -15.0), (133.0, 12.0), (258.0, -28.0)]
         .map(|(azimuth, elevation)| pose(azimuth, elevation))
@@ -100,7 +100,7 @@ fn the_view_from_an_image_reproduces_that_image() {
     }
 }
 
-/// By a tenth of a degree a step, past three photographs.
+/// By a tenth of a degree per step, past three input images.
 #[test]
 fn images_are_stable_while_the_camera_turns() {
     let with_photos = FRAME.with_photos(Arc::clone(&PHOTOS));
@@ -132,7 +132,7 @@ fn wall(z: f32, half: f32, color: [u8; 4]) -> (Vec<[f32; 3]>, Vec<[u8; 4]>) {
     (places, colors)
 }
 
-/// Two walls: the small one in front is red, the large one behind it blue in all photographs that see it.
+/// Two walls: the small one in front is red, the large one behind it blue in all images that see it.
 #[test]
 fn foreground_does_not_color_the_background() {
     use pointreel::cloud::{Attributes, Frame, Positions, RawCloud};
@@ -213,7 +213,7 @@ fn foreground_does_not_color_the_background() {
     }
 }
 
-/// Photographs of the front alone.
+/// Images of the front alone.
 fn of_front() -> PosedImages {
     PHOTOS.without(&(0..36).filter(|number| number % 12 != 0).collect::<Vec<_>>())
 }
@@ -272,7 +272,7 @@ fn both_renderers_project_the_same_images_onto_the_surface() {
     }
 }
 
-/// Depths that are measured cut away what the photographs see through.
+/// Measured depths carve points that the images see through.
 #[test]
 fn measured_depths_clip_contradicted_surfaces() {
     let with_depths = |posed_image: &Arc<PosedImage>| {

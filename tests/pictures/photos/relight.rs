@@ -1,4 +1,4 @@
-//! Light that falls on photographs anew, by normals of their depths.
+//! Relighting of input images, by normals of their depths.
 
 use super::*;
 use pointreel::cloud::{Attributes, Frame, Positions, RawCloud};
@@ -43,7 +43,7 @@ fn ball(tilt: f32) -> PreparedFrame {
     prepare(0, Arc::new(frame), 0.0, &needs, &PrepareCounters::default())
 }
 
-/// Photographs of the ball in one colour, with the depths that it has.
+/// Images of the ball in one colour, with its depths.
 fn textured_ball(color: [u8; 3]) -> Arc<PosedImages> {
     let [red, green, blue] = color;
     let pinhole = pinhole(256);
@@ -87,7 +87,7 @@ fn lit(relight: PhotoRelight) -> Style {
     })
 }
 
-/// Mean difference of channels over the pixels that both show, and the share of these that differ by more than 8.
+/// Mean difference of channels over the pixels that both show, and the fraction of these that differ by more than 8.
 fn difference(a: &RgbaImage, b: &RgbaImage) -> (f64, f64) {
     let shown = |pixel: &image::Rgba<u8>| pixel.0[..3] != [0; 3];
     let both = a.pixels().zip(b.pixels()).filter(|(a, b)| shown(a) && shown(b));
@@ -135,7 +135,7 @@ fn relit_images_are_their_colors_times_the_light() {
     assert!(sides > 1_000, "{sides} pixels are darker");
 }
 
-/// Light that falls on splats becomes light on the surface where photographs are lit anew, and else none.
+/// Lighting of splats becomes lighting of the surface where images are relit, and else none.
 #[test]
 fn relighting_defaults_to_the_headlight() {
     let camera = camera_at(&held_out()[1]);

@@ -2,8 +2,8 @@
 //! for all.
 //!
 //! **How it works.** An entry point is cut out of its module and its bindings are numbered as wgpu does it, for the
-//! oldest and the newest language that wgpu chooses. What drivers and the compilers of Apple and Microsoft make of that
-//! is not tried: they are not here. What one of them is known to refuse has a test of its own.
+//! oldest and the newest language that wgpu chooses. Drivers and the compilers of Apple and Microsoft are not tested:
+//! they are not available here. Code that one of them is known to refuse has a test of its own.
 
 use super::languages::{write_hlsl, write_msl, write_spirv};
 use super::{parse, parse_with};
@@ -21,13 +21,13 @@ pub(super) struct EntryPoint<'a> {
     pub(super) info: &'a ModuleInfo,
     pub(super) stage: ShaderStage,
     pub(super) name: &'a str,
-    /// What a vertex stage hands its results to.
+    /// The stage that takes the results of a vertex stage.
     pub(super) fragment: Option<FragmentEntryPoint<'a>>,
     /// The module that it was cut out of: bindings are numbered for all of its entry points.
     pub(super) whole: &'a Module,
 }
 
-/// Writes an entry point, or says why it cannot.
+/// Writes an entry point, or returns why it cannot.
 type BackEnd = fn(&EntryPoint<'_>) -> Result<(), String>;
 
 const BACK_ENDS: [(&str, BackEnd); 6] = [
@@ -150,7 +150,7 @@ fn indexes_a_vector_variable(module: &Module, function: &Function, info: &Functi
     })
 }
 
-/// What a shader keeps for itself. Vectors in buffers are written by address.
+/// Private variables of a shader. Vectors in buffers are written by address.
 fn is_written(space: AddressSpace) -> bool {
     matches!(
         space,

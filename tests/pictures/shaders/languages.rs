@@ -6,7 +6,7 @@ use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy};
 use naga::{AddressSpace, Module, ResourceBinding, StorageAccess, TypeInner};
 use std::collections::BTreeMap;
 
-/// What wgpu asks for where a driver does not check by itself.
+/// Checks that wgpu requests where a driver has none.
 const BOUNDS: BoundsCheckPolicies = BoundsCheckPolicies {
     index: BoundsCheckPolicy::Restrict,
     buffer: BoundsCheckPolicy::Restrict,
@@ -14,7 +14,7 @@ const BOUNDS: BoundsCheckPolicies = BoundsCheckPolicies {
     binding_array: BoundsCheckPolicy::Unchecked,
 };
 
-/// What wgpu lets SPIR-V use on every device with Vulkan.
+/// Capabilities that wgpu lets SPIR-V use on every Vulkan device.
 const CAPABILITIES: [spv::Capability; 7] = [
     spv::Capability::Shader,
     spv::Capability::Matrix,
@@ -25,7 +25,7 @@ const CAPABILITIES: [spv::Capability; 7] = [
     spv::Capability::StorageImageExtendedFormats,
 ];
 
-/// What is bound, as far as registers depend on it.
+/// The bindings, as far as registers depend on them.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Uniform,
@@ -50,7 +50,7 @@ fn bindings(module: &Module) -> BTreeMap<ResourceBinding, Kind> {
     with_kind.collect()
 }
 
-/// All bindings in order, numbered from 0 within each of up to three sets of registers, and how many each set has.
+/// All bindings in order, numbered from 0 within each of up to three sets of registers, and the number in each set.
 fn numbered<T>(
     module: &Module,
     set: impl Fn(Kind) -> usize,
@@ -184,8 +184,8 @@ pub(super) fn write_hlsl(entry: &EntryPoint<'_>, model: hlsl::ShaderModel) -> Re
     has_entry_point(&text, &info.entry_point_names)
 }
 
-/// Whether a function is there by the one name that naga gave the entry point (`vertex` is a word of Metal). Nothing
-/// calls it.
+/// Returns true if there is a function of the one name that naga gave the entry point (`vertex` is a word of Metal).
+/// Nothing calls it.
 fn has_entry_point<E: ToString>(text: &str, names: &[Result<String, E>]) -> Result<(), String> {
     let [name] = names else {
         return Err(format!("has {} entry points", names.len()));

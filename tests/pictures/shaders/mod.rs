@@ -17,7 +17,7 @@ fn parse(permutation: Permutation) -> Result<(naga::Module, ModuleInfo), String>
     parse_with(permutation, false)
 }
 
-/// For adapters that leave out fragments before they are drawn, or not.
+/// For adapters with and without early fragment rejection.
 fn parse_with(permutation: Permutation, tests_depths_early: bool) -> Result<(naga::Module, ModuleInfo), String> {
     let source = permutation
         .source(tests_depths_early)
@@ -58,8 +58,8 @@ fn shader_files() -> BTreeMap<String, String> {
     files.map(|entry| named(entry.unwrap().path())).collect()
 }
 
-/// Numbers that Rust knows too are made of those of Rust. What the files themselves call a constant is known to one of
-/// them alone, so there is nothing that it could differ from.
+/// Numbers that Rust has too are generated from Rust. Constants of the files themselves are defined in one file alone,
+/// so there is nothing that they could differ from.
 #[test]
 fn shader_files_define_no_constants() {
     let files = shader_files();

@@ -1,4 +1,4 @@
-//! What an octree must say, found by looking at every cell on its own.
+//! Expected answers of an octree, found by testing every cell on its own.
 
 use glam::Vec3;
 use pointreel::cloud::VoxelRecord;
@@ -27,7 +27,7 @@ fn level_and_cell(cube: &Cube, voxel: &VoxelRecord) -> (u32, [u32; 3]) {
     (level, cell_of(cube, Vec3::from_array(voxel.center), level))
 }
 
-/// Leaves hold all points and nothing else, each point is near the middle of its leaf, and the depth is the first that
+/// Leaves hold all points and nothing else, each point is near the centre of its leaf, and the depth is the first that
 /// loses little enough.
 pub(crate) fn check_octree(name: &str, tree: &Octree, positions: &[Vec3], delta: f32) {
     let (cube, depth) = (tree.cube(), tree.depth());
@@ -45,7 +45,7 @@ pub(crate) fn check_octree(name: &str, tree: &Octree, positions: &[Vec3], delta:
     let drawn = tree.level_voxels(depth);
     assert_eq!(drawn.len(), leaves.len(), "{name}");
     let half_diagonal = 0.75f64.sqrt() * f64::from(cube.edge) / f64::from(1u32 << depth);
-    // Middles are f32 like the positions.
+    // Centres are f32 like the positions.
     let reach = cube.min.abs().max_element() + cube.edge;
     let rounding = 4.0 * f64::from(f32::EPSILON * reach);
     let centers: std::collections::HashMap<_, _> = drawn

@@ -1,4 +1,4 @@
-//! From coordinates to pictures on the road that files take: PLY with double properties, discovery, loader, traversal,
+//! From coordinates to images along the path of files: PLY with double properties, discovery, loader, traversal,
 //! renderer.
 
 use super::{brute_force, common};
@@ -16,7 +16,7 @@ use std::sync::Arc;
 pub(crate) const SIZE_PX: [u32; 2] = [192, 128];
 const BACKGROUND: [u8; 3] = [1, 2, 3];
 
-/// A cloud that came through a file.
+/// A cloud that was read from a file.
 pub(crate) struct Chain {
     pub(crate) origin: DVec3,
     pub(crate) frame: Arc<PreparedFrame>,
@@ -62,7 +62,7 @@ impl Chain {
         self.frame.frame.positions()
     }
 
-    /// Normal and radius of each point by the bits of its position: the order of points is nobody's business.
+    /// Normal and radius of each point by the bits of its position: the order of points does not matter.
     pub(crate) fn surface(&self) -> BTreeMap<[u32; 3], (Vec3, f32)> {
         let shapes = self.frame.shapes.as_ref().unwrap();
         let points = self.frame.points.iter().zip(shapes.iter());
@@ -83,7 +83,7 @@ impl Chain {
         camera.transform(self.origin, SIZE_PX).select_view(lod_px)
     }
 
-    /// The picture of it as `primitive`; nothing is culled for facing away.
+    /// The image of it as `primitive`, without back-face culling.
     pub(crate) fn draw(&self, camera: &Camera, primitive: Primitive) -> RgbaImage {
         let style = Style::default().with(|style| {
             style.primitive = primitive;
@@ -95,7 +95,7 @@ impl Chain {
         common::draw(&packet)
     }
 
-    /// What any cloud must come to: the points of the file, a surface that is defined, an octree that holds them, the
+    /// Expected results of any cloud: the points of the file, a surface that is defined, an octree that holds them, the
     /// visible set of brute force, and something to see from `camera`.
     pub(crate) fn check(&self, name: &str, file: &[DVec3], delta: f32, camera: &Camera) {
         self.check_positions(name, file);

@@ -263,8 +263,8 @@ fn scaling_by_other_factors_changes_almost_nothing() {
         let tree = chain.frame.levels.octree().unwrap();
         assert_eq!(tree.depth(), base_tree.depth(), "× {factor:e}");
         for (found, expected) in tree.level_counts().iter().zip(base_tree.level_counts()) {
-            // A point changes cells if it is within 2⁻²⁴ of the cube's edge length from a border, of which the three
-            // axes have fewer than 2¹⁰: hardly one of 2000. One that does may fill a cell and empty another.
+            // A point changes cells if it is within 2⁻²⁴ of the cube's edge length from a border; the three axes have
+            // fewer than 2¹⁰ of them: hardly one of 2000. One that does may fill a cell and empty another.
             assert!(found.abs_diff(*expected) <= 4, "× {factor:e}: {found} for {expected}");
         }
         for primitive in [Primitive::Surfel, Primitive::Voxel] {
@@ -297,7 +297,7 @@ fn places_px(chain: &Chain, camera: &Camera, shift: DVec3) -> Vec<[f64; 2]> {
     places.into_iter().map(|(_, place)| place).collect()
 }
 
-/// Largest distance of two lists of places.
+/// Largest distance between two lists of positions.
 fn farthest_px(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
     let distances = a.iter().zip(b).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]));
     distances.fold(0.0, f64::max)
@@ -325,8 +325,8 @@ fn shifted_camera(camera: &Camera, shift: DVec3) -> Camera {
     }
 }
 
-/// A scan in coordinates of a survey, ten million units away with detail of a thousandth, is the same picture as at
-/// zero, to the bit: the origin is a short number near it, and what is left is exact in f32.
+/// A scan in coordinates of a survey, ten million units away with detail of a thousandth, is the same image as at zero,
+/// to the bit: the origin is a short number near it, and the rest is exact in f32.
 #[test]
 fn ten_million_away_with_millimetres() {
     let cloud = millimetres();

@@ -89,7 +89,7 @@ fn packet(frame: &PreparedFrame, camera: &Camera, primitive: Primitive) -> Scene
     Scene::default().packet(frame, DVec3::ZERO, camera, &style(primitive), SIZE_PX)
 }
 
-/// The balls of which less than half of the disk is seen.
+/// The balls with less than half of the disk visible.
 fn missing(image: &RgbaImage) -> Vec<usize> {
     let px_per_slope = 0.5 * f64::from(SIZE_PX[1]) / 25f64.to_radians().tan();
     let disk_px = std::f64::consts::PI * (RADIUS * px_per_slope).powi(2);
@@ -135,7 +135,7 @@ fn balls_around_the_eye_are_seen() {
     }
 }
 
-/// Depths of all seven orders are told apart: of two balls one behind the other the nearer one is seen.
+/// Depths of all seven orders are distinguished: of two balls one behind the other the nearer one is seen.
 #[test]
 fn nearer_balls_hide_farther_ones_at_every_distance() {
     let mut surfels = Vec::new();

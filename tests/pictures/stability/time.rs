@@ -1,4 +1,4 @@
-//! Sequences whose frames have nothing in common: none, one, equal or a hundred times as many points as their
+//! Sequences whose frames have nothing in common: none, one, the same number or 100 times the points of their
 //! neighbours.
 
 use super::{chain, common, sphere};

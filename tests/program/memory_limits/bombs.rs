@@ -21,7 +21,7 @@ pub(super) fn cases() -> Vec<Case> {
         .collect()
 }
 
-/// What the program makes of a small cloud.
+/// Output of the program for a small cloud.
 pub(super) fn made_by_program(extension: &str) -> Vec<u8> {
     let folder = tempfile::tempdir().unwrap();
     let input = folder.path().join("a.xyz");
@@ -38,7 +38,7 @@ pub(super) fn made_by_program(extension: &str) -> Vec<u8> {
 
 /// A cloud of nine points whose header claims `points`, if any.
 pub(super) fn draco(points: Option<u32>) -> Vec<u8> {
-    /// Where the header says how many points there are.
+    /// Offset of the number of points in the header.
     const COUNT_AT: usize = 11;
     let mut cloud = PointCloud::new();
     cloud.set_num_points(9);
@@ -56,7 +56,7 @@ pub(super) fn draco(points: Option<u32>) -> Vec<u8> {
     bytes
 }
 
-/// A scan of `points` that are all alike: its columns take no bits. `claim` stands in place of their number.
+/// A scan of `points` that are all alike: its columns take no bits. `claim` replaces their number.
 pub(super) fn e57(points: usize, claim: &str) -> Vec<u8> {
     // The crate cannot write zero-bit columns.
     let constant = RecordDataType::Integer { min: 0, max: 1 };
@@ -83,7 +83,8 @@ pub(super) fn e57(points: usize, claim: &str) -> Vec<u8> {
     bytes
 }
 
-/// The file with `new` in place of `old` and as many spaces less behind the description, with the sums of its pages.
+/// The file with `new` instead of `old` and correspondingly fewer spaces behind the description, with the sums of its
+/// pages.
 fn replaced_in_pages(bytes: &[u8], old: &[u8], new: &[u8]) -> Vec<u8> {
     const PAGE_BYTES: usize = 1024;
     const SUM_BYTES: usize = 4;
@@ -513,7 +514,7 @@ impl Cdr {
     }
 }
 
-/// So many holes as RVL has them: nibbles of three bits, the lowest first, and a run of no depths.
+/// This many holes in RVL: nibbles of three bits, the lowest first, and a run of no depths.
 fn run_of_holes(mut count: u32) -> Vec<u8> {
     let mut nibbles = Vec::new();
     loop {

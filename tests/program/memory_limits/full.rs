@@ -116,7 +116,7 @@ fn rows() -> Vec<Case> {
     let faces = format!("element face {}\nproperty list uchar uchar vertex_indices\n", count(4));
     let stl = [vec![0; 80], (count(50) as u32).to_le_bytes().to_vec()].concat();
     vec![
-        // Frames are made from what was read, and take more memory: what `convert` writes was read by itself.
+        // Frames are made from the read data, and take more memory: `convert` writes the read data itself.
         of_zeros("PLY", "a.ply", ply("binary_little_endian", count(12), "")).with_commands(&["convert"]),
         of_zeros(
             "PLY of bytes",

@@ -1,4 +1,4 @@
-//! First bytes of files, which claim what they are told to.
+//! First bytes of files, with arbitrary claims.
 
 use std::fmt::Write as _;
 
@@ -71,7 +71,7 @@ pub(super) fn npy(descr: &str, shape: &str) -> Vec<u8> {
     bytes
 }
 
-/// Pieces, each as often as it says, by gzip.
+/// Pieces, each repeated by its count, by gzip.
 pub(super) fn gzip(pieces: &[(&[u8], u64)]) -> Vec<u8> {
     use std::io::Write as _;
     let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
@@ -199,7 +199,7 @@ pub(super) fn tar_header(name: &str, size: u64) -> Vec<u8> {
     header
 }
 
-/// An archive with a member whose bytes are `pieces`, each as often as it says.
+/// An archive with a member whose bytes are `pieces`, each repeated by its count.
 pub(super) fn zip(name: &str, pieces: &[(&[u8], u64)]) -> Vec<u8> {
     use std::io::Write as _;
     let mut writer = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
@@ -229,7 +229,7 @@ pub(super) fn png(size_px: [u32; 2], bits: u8, color: u8, data: &[u8]) -> Vec<u8
     bytes
 }
 
-/// Zeros by zlib, so many bytes.
+/// Zeros by zlib, this many bytes.
 pub(super) fn zlib_of_zeros(length: u64) -> Vec<u8> {
     use std::io::Write as _;
     let mut packed = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());

@@ -2,7 +2,7 @@
 //! limit and unpacks to more, and on the bomb of its format.
 //!
 //! Each case is a row of one of the tables in `memory_limits/`. The peak of the process is watched while it runs
-//! (`VmHWM`); whoever goes beyond the limit and [`OF_PROGRAM_BYTES`] is killed and listed. `POINTREEL_SHOW_PEAKS=1`
+//! (`VmHWM`); a process beyond the limit and [`OF_PROGRAM_BYTES`] is killed and listed. `POINTREEL_SHOW_PEAKS=1`
 //! prints the peak of each, `POINTREEL_ONLY_CASE=NAME` runs those with this in their name.
 
 #![cfg(target_os = "linux")]
@@ -18,10 +18,10 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Memory of the program itself: code, threads, and what the allocator keeps.
+/// Memory of the program itself: code, threads, and memory retained by the allocator.
 const OF_PROGRAM_BYTES: u64 = 150 << 20;
 
-/// A hang takes longer, in a debug build with other tests beside.
+/// A hang takes longer, in a debug build with other tests in parallel.
 const PATIENCE: Duration = Duration::from_mins(2);
 
 const MIB: u64 = 1 << 20;
@@ -37,7 +37,7 @@ struct TestFile {
     length: Option<u64>,
 }
 
-/// An input and what it may take.
+/// An input and its memory limit.
 struct Case {
     name: &'static str,
     /// The first is the input, unless that is a folder; the others lie next to it.
@@ -117,7 +117,7 @@ impl Case {
     }
 }
 
-/// How a run of the program has ended.
+/// Outcome of a run of the program.
 #[derive(Debug)]
 struct Outcome {
     /// None where a signal has ended it.
@@ -128,7 +128,7 @@ struct Outcome {
 }
 
 impl Outcome {
-    /// What is wrong with it.
+    /// Its fault.
     fn problem(&self, limit_bytes: u64) -> Option<String> {
         let peak = self.peak_bytes / MIB;
         if self.peak_bytes > limit_bytes + OF_PROGRAM_BYTES {

@@ -10,7 +10,7 @@ use pointreel::wire::StreamHead;
 /// Points that no file has.
 const CLAIM: u64 = 1 << 40;
 
-/// Points of 12 bytes that a sparse file has room for.
+/// Points of 12 bytes that fit a sparse file.
 const POINTS: u64 = (3 << 30) / 12 - 100;
 
 pub(super) fn cases() -> Vec<Case> {

@@ -1,14 +1,14 @@
-//! Surfaces that are seen from the side: none of them hides itself, and all hide what is behind them.
+//! Surfaces that are seen from the side: none of them hides itself, and all hide the points behind them.
 
 use super::*;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// How far away things are: so far that rays are all but parallel.
+/// Distance of the objects: rays are all but parallel.
 const AWAY: f64 = 20.0;
 
 const SPACING: f64 = 0.01;
 
-/// Something flat: its middle, and two axes that are as long as it is wide and high.
+/// A flat object: its centre, and two axes as long as its width and height.
 #[derive(Clone, Copy)]
 struct Flat {
     center: DVec3,
@@ -16,8 +16,8 @@ struct Flat {
 }
 
 impl Flat {
-    /// A square whose normal is so many degrees from the direction to the eye, two metres wide; its upper edge is the
-    /// far one.
+    /// A square two metres wide, whose normal is `degrees` from the direction to the eye; its upper edge is the far
+    /// one.
     fn tilted(degrees: f64) -> Self {
         let (sine, cosine) = degrees.to_radians().sin_cos();
         Self {
@@ -51,7 +51,7 @@ impl Flat {
         places.collect()
     }
 
-    /// As many points as a grid has, at random.
+    /// Random points, the same number as in a grid.
     fn at_random(&self) -> Vec<DVec3> {
         let [width, height] = self.along.map(DVec3::length);
         let count = (width * height / (SPACING * SPACING)) as u32;
@@ -74,7 +74,7 @@ fn random(seed: u32) -> f64 {
     f64::from(state) / f64::from(u32::MAX)
 }
 
-/// A view in which points are so many pixels apart.
+/// A view with this spacing of points, in pixels.
 fn view_of(px_per_spacing: f64) -> ScreenView {
     view([1280, 960], (px_per_spacing * AWAY / SPACING) as f32)
 }
@@ -83,7 +83,7 @@ fn cloud_of(places: impl IntoIterator<Item = DVec3>) -> Vec<PointRecord> {
     records(places.into_iter().map(DVec3::as_vec3))
 }
 
-/// The pixel of a point, if it is in the picture.
+/// The pixel of a point, if it is in the image.
 fn pixel_of(view: &ScreenView, point: &PointRecord) -> Option<[u32; 2]> {
     let place = view.see(point.position)?.place_px;
     let is_inside = place[0] >= 0.0 && place[1] >= 0.0 && place[0] < 1280.0 && place[1] < 960.0;
@@ -209,7 +209,7 @@ fn points_five_centimetres_behind_a_surface_are_hidden() {
                 let view = view_of(px_per_spacing);
                 let visible = estimate(&view, &points, SPACING as f32, Search::Fixed).visible;
                 let is_behind = |slot: u32| (slot as usize) < behind.len();
-                // Excludes what is visible next to the edges of the surface in front.
+                // Excludes points visible next to the edges of the surface in front.
                 let is_inside = |slot: u32| {
                     let ray = behind[slot as usize];
                     let hit = ray * (front.normal().dot(front.center) / front.normal().dot(ray)) - front.center;
@@ -249,7 +249,7 @@ fn a_thin_pole_hides_only_points_behind_it_or_next_to_those() {
             if pixel_of(&view, &points[slot]).is_none() || place.y.abs() > 0.7 {
                 continue;
             }
-            // Where its ray hits the plane of the pole.
+            // Intersection of its ray and the plane of the pole.
             let neighbor = (place.x * AWAY / (AWAY + 1.0)).abs();
             let is_retained = visible.slots.binary_search(&(slot as u32)).is_ok();
             assert!(
@@ -295,7 +295,7 @@ fn the_sides_of_a_box_are_visible_up_to_their_edges_and_points_behind_are_hidden
         let shares = [0, 1, 2, 3].map(|kind| {
             let slots = first..first + ends[kind];
             first = slots.end;
-            // For the wall, only what is behind the box.
+            // For the wall, only the part behind the box.
             let counts = |slot: usize| {
                 let place = Vec3::from_array(points[slot].position);
                 let is_behind = place.x.abs() < 0.4 && place.y.abs() < 0.4;
@@ -307,8 +307,8 @@ fn the_sides_of_a_box_are_visible_up_to_their_edges_and_points_behind_are_hidden
         });
         let [front, one_side, other_side, wall] = shares;
         let (seen, unseen) = (one_side.max(other_side), one_side.min(other_side));
-        // Next to the edge, the points in front of a point lie on two planes, of which the front one is not steep. A
-        // hidden side shows through the gaps between points that are far apart.
+        // Next to the edge, the points in front of a point lie on two planes; the front one is not steep. A hidden side
+        // shows through the gaps between points that are far apart.
         assert!(
             front > 0.99 && seen > 0.5 && unseen < 0.25 && wall == 0.0,
             "{px_per_spacing}: {shares:?}"

@@ -4,7 +4,7 @@ use super::*;
 use glam::DMat3;
 use std::collections::BTreeMap;
 
-/// A difference that rounding might turn: nobody says then.
+/// A difference that rounding might flip: the result is unknown then.
 const UNCERTAIN: f64 = 1e-4;
 
 /// `a < b`, where that is certain; `unit` is how large both are.
@@ -17,7 +17,7 @@ fn not(known: Option<bool>) -> Option<bool> {
     known.map(|known| !known)
 }
 
-/// Of statements that may be unknown.
+/// Disjunction of statements that may be unknown.
 fn any(statements: impl IntoIterator<Item = Option<bool>>) -> Option<bool> {
     let mut known = Some(false);
     for statement in statements {
@@ -34,10 +34,10 @@ fn all(statements: impl IntoIterator<Item = Option<bool>>) -> Option<bool> {
     not(any(statements.into_iter().map(not)))
 }
 
-/// A point in a picture: its depth, its pixel, and the place in this.
+/// A point in an image: its depth, its pixel, and the place in this.
 type InPicture = (f64, [i64; 2], [f64; 2]);
 
-/// Points in a picture.
+/// Points in an image.
 struct Picture {
     points: Vec<Option<InPicture>>,
     /// The least depth of each pixel.
@@ -66,7 +66,7 @@ impl Picture {
         }
     }
 
-    /// Whether another point is nearer in the same pixel and this one smaller than that; or another one covers its
+    /// True if another point is nearer in the same pixel and this one smaller than that; or another one covers its
     /// pixel and is nearer by more than the radius, and this one is not on the plane of those before it.
     fn hides(&self, slot: usize) -> Option<bool> {
         let Some((depth, pixel, within)) = self.points[slot] else {
@@ -91,7 +91,7 @@ impl Picture {
         ])
     }
 
-    /// Whether a point lies on the plane through the nearest points of the pixels around that are nearer than it.
+    /// True if a point lies on the plane through the nearest points of the surrounding pixels that are nearer than it.
     fn meets_plane_of_nearer(&self, depth: f64, pixel: [i64; 2], within: [f64; 2]) -> Option<bool> {
         let [x, y] = pixel;
         let around = |dx: i64, dy: i64| self.nearest.get(&[x + dx, y + dy]).copied();

@@ -1,11 +1,11 @@
-//! Points without a plane around them: floors that are seen from the side, whose neighbours are those of one row.
+//! Points without a plane around them: floors seen from the side, whose neighbours are in one row.
 
 use super::*;
 
 /// A floor so far below the sensor, which looks along it.
 const FLOOR: f64 = -0.4;
 
-/// What a depth camera sees of the floor, in millimetres: rows that are apart, the farther the more.
+/// The floor as a depth camera sees it, in millimetres: rows whose spacing grows with distance.
 fn floor_in_rows() -> Vec<PointRecord> {
     depth_image(|ray| {
         let depth = (1e3 * FLOOR / ray.y).round() / 1e3;

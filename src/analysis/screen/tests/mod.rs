@@ -155,7 +155,7 @@ fn ball(ray: DVec3) -> Option<f64> {
 
 const TUBE: [f64; 2] = [0.25, 0.1];
 
-/// How far a place is from a torus a metre away, whose axis is tilted.
+/// Distance of a place to a torus a metre away, whose axis is tilted.
 fn torus_distance(place: DVec3) -> f64 {
     let axis = DVec3::new(0.0, 0.5, 1.0).normalize();
     let from_center = place + DVec3::Z;
@@ -192,7 +192,7 @@ fn curved_surfaces_have_their_normals_but_at_their_rims() {
     let spacing = 1.0 / 525.0;
     for search in [Search::Fixed, Search::Bisected] {
         let points = depth_image(ball);
-        // For the ball, the mean spacing is that of its front.
+        // For the ball, this is the mean spacing of its front.
         let errors = estimate(&sensor(), &points, spacing, search).errors(&points, ball_normal);
         let [median, max] = [0.5, 0.95].map(|share| quantile(&errors, share));
         assert!(median < 0.3 && max < 5.0, "ball {search:?}: {median} {max}");

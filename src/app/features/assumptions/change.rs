@@ -30,11 +30,12 @@ pub(in crate::app) enum ReadChange {
     DepthScale(Option<f64>),
     /// `fx,fy,cx,cy` or a file.
     Intrinsics(Option<String>),
-    /// A file with the poses of the camera, or none of them; the automatic choice is not to turn them round either.
+    /// A file with the poses of the camera, or none of them; the automatic choice is not to rotate frames by them
+    /// either.
     Poses(Option<PathBuf>),
     /// Poses lead from the world to the camera.
     InvertPoses,
-    /// Values that stand for a missing point; [`NoData::Auto`] is the automatic choice.
+    /// Values of a missing point; [`NoData::Auto`] is the automatic choice.
     NoData(NoData),
     /// The least range of colours.
     ColorDepth(Option<ColorDepth>),
@@ -99,6 +100,6 @@ impl ReadChange {
 pub(in crate::app) struct Field {
     /// Shown in the empty field.
     pub(in crate::app) hint: &'static str,
-    /// The change that a text stands for; `Err` says what was expected.
+    /// Parses a change; `Err` says what was expected.
     pub(in crate::app) parse: fn(&str) -> Result<ReadChange, String>,
 }

@@ -1,4 +1,5 @@
-//! The list of assumptions as the window shows it: those of the sequence joined with the user's choices, by subject.
+//! The list of assumptions as the window shows it: assumptions of the sequence joined with the user's choices, by
+//! subject.
 
 use super::change::{Change, Field};
 use super::read_rows::{FileKind, ReadRow};
@@ -74,7 +75,7 @@ impl Group {
     }
 }
 
-/// All groups, those with the weakest evidence first, what the user has chosen last.
+/// All groups, weakest evidence first, the user's choices last.
 pub(in crate::app) fn groups(given: &Given<'_>) -> Vec<Group> {
     let chosen = ReadRow::ALL.iter().filter(|row| chosen_reading(row, given).is_some());
     let mut subjects: Vec<Subject> = given.assumptions.iter().map(|assumption| assumption.subject).collect();

@@ -1,9 +1,8 @@
 //! Alternatives to assumptions take effect, and are remembered for the open sequence.
 //!
-//! **How it works.** Up axis and primitive are of the document (`state/document.rs`). Options of reading are
-//! kept by inputs ([`crate::app::ReadingChoices`]), as they have to be known before anything is opened. The inputs are
-//! opened again on a thread; if no frame can be decoded with the new options, what is open stays, and nothing is
-//! remembered.
+//! **How it works.** Up axis and primitive belong to the document (`state/document.rs`). Reading options are stored by
+//! input ([`crate::app::ReadingChoices`]), as they have to be known before anything is opened. The inputs are reopened
+//! on a thread; if no frame can be decoded with the new options, the open sequence stays, and nothing is stored.
 
 use super::Assumptions;
 use super::panel::{CHIP_WIDTH, PANEL, assumptions_ui, chip_ui};
@@ -165,9 +164,9 @@ impl State {
         self.stored.reading_choices.of(inputs).cloned()
     }
 
-    /// Shows `sequence`, the open one read as `open` says. All that the user has made around it stays, as if it was
-    /// opened from its session; without `keeps_places`, but for what is at places of the points. False if nothing
-    /// was opened.
+    /// Shows `sequence`, the open one read with the options `open`. Everything that the user has made around it stays,
+    /// as if it was opened from its session; without `keeps_places`, items at positions of points are dropped. False if
+    /// nothing was opened.
     pub(in crate::app) fn open_again(
         &mut self,
         sequence: Arc<Sequence>,

@@ -14,7 +14,7 @@ use egui::{Align2, Button, Id, Key, Label, Pos2, RichText, ScrollArea, TextEdit,
 /// The name of the window among panels.
 pub(in crate::app) const PANEL: PanelId = PanelId::new("assumptions");
 
-/// Room that the chip takes, points.
+/// Width of the chip, points.
 pub(in crate::app) const CHIP_WIDTH: f32 = 120.0;
 
 /// Width of the list at first, points.

@@ -35,7 +35,7 @@ pub(super) struct ReadRow {
     /// The choice in words; `None` where it is automatic.
     pub(super) chosen: fn(&OpenOptions) -> Option<String>,
     pub(super) automatic: ReadChange,
-    /// Values that files usually have.
+    /// Common values of files.
     pub(super) offered: fn(FileKind) -> Vec<(String, ReadChange)>,
     /// Any other value.
     pub(super) field: Option<Field>,
@@ -188,7 +188,7 @@ impl ReadRow {
         },
     ];
 
-    /// The row that changes what `option` of the command line changes.
+    /// The row for `option` of the command line.
     pub(super) fn of_option(option: &str) -> Option<&'static Self> {
         // The direction of poses is chosen together with their file.
         let option = if option == "--invert-poses" { "--poses" } else { option };

@@ -39,7 +39,7 @@ impl State {
         self.features.benchmark.start(suite, job, &self.shared.tasks, wake, now);
     }
 
-    /// Takes over what a benchmark has found of the open sequence, and keeps it.
+    /// Takes over the results of a benchmark of the open sequence, and stores them.
     pub(in crate::app) fn learn_quality(&mut self) {
         let Benchmark::Done(table) = &self.features.benchmark else {
             return;

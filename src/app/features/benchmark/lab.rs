@@ -14,7 +14,7 @@ const PLOT_HEIGHT: f32 = 300.0;
 
 const LIST_HEIGHT: f32 = 170.0;
 
-/// Primitives that share a colour, and what they are called together.
+/// Primitives that share a colour, and their common name.
 const KINDS: [(&str, Color32, &[Primitive]); 3] = [
     (
         "Surfels",
@@ -31,7 +31,7 @@ const RENDERERS: [(&str, RendererChoice, MarkerShape); 2] = [
     ("GPU (square)", RendererChoice::Gpu, MarkerShape::Square),
 ];
 
-/// The plot, the chosen way and the ways that no other beats; returns a way that was chosen now.
+/// The plot, the chosen mode and the Pareto-optimal modes; returns a newly chosen mode.
 pub(in crate::app) fn lab_ui(ui: &mut Ui, points: &[Arc<LabPoint>]) -> Option<Arc<LabPoint>> {
     let id = ui.scope_id().with("chosen way");
     let mut chosen: Option<usize> = ui.data(|data| data.get_temp(id));
@@ -75,7 +75,7 @@ pub(in crate::app) fn lab_ui(ui: &mut Ui, points: &[Arc<LabPoint>]) -> Option<Ar
     Some(Arc::clone(point))
 }
 
-/// While a run goes on, nobody has marked the front yet.
+/// During a run, the front is not marked yet.
 fn is_on_front(point: &LabPoint, points: &[Arc<LabPoint>], error: LabError) -> bool {
     !points.iter().any(|other| point.is_beaten_by(other, error))
 }
@@ -111,7 +111,7 @@ fn texts(error: LabError) -> (&'static str, &'static str, &'static str) {
     }
 }
 
-/// A way in a line.
+/// A mode in one line.
 fn words(point: &LabPoint, error: LabError) -> String {
     format!("{:.2} ms, FLIP {:.4}: {}", point.draw_ms, error.of(point), point.label)
 }

@@ -1,4 +1,4 @@
-//! A benchmark on a thread of its own, with its progress and its result as plain data for the panel.
+//! A benchmark on its own thread, with its progress and its result as plain data for the panel.
 
 mod hit;
 mod in_window;
@@ -20,7 +20,7 @@ use crate::scene::Strategy;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-/// As what a benchmark is written.
+/// File format of a benchmark report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ReportFormat {
     /// For programs.
@@ -32,7 +32,7 @@ pub enum ReportFormat {
 }
 
 impl ReportFormat {
-    /// Its name for people.
+    /// Its display name.
     pub(in crate::app) fn name(self) -> &'static str {
         match self {
             Self::Json => "JSON",
@@ -76,11 +76,11 @@ pub struct BenchmarkTable {
     pub html: String,
     /// Render modes by time and error; most suites have none.
     pub points: Vec<Arc<LabPoint>>,
-    /// Ways to keep a frame by rate and distortion; most suites have none.
+    /// Encodings of a frame by rate and distortion; most suites have none.
     pub rates: Vec<Arc<RatePoint>>,
 }
 
-/// The work of a benchmark: reports its steps, stops soon after it was cancelled. `Err` is a text for the person.
+/// The work of a benchmark: reports its steps, stops soon after it was cancelled. `Err` is a text for the user.
 pub type BenchmarkJob = Box<dyn FnOnce(&dyn Fn(Step), &Progress) -> Result<BenchmarkTable, String> + Send>;
 
 impl Message for BenchmarkEnded {}
@@ -97,7 +97,7 @@ pub enum Benchmark {
     Idle,
     /// One is running.
     Running(RunningBenchmark),
-    /// It was cancelled; what was measured before stays.
+    /// It was cancelled; earlier measurements stay.
     Cancelled(SoFar),
     /// It could not be finished.
     Failed(String, SoFar),
@@ -110,7 +110,7 @@ pub enum Benchmark {
 pub struct SoFar {
     /// Render modes by time and error.
     pub points: Vec<Arc<LabPoint>>,
-    /// Ways to keep a frame by rate and distortion.
+    /// Encodings of a frame by rate and distortion.
     pub rates: Vec<Arc<RatePoint>>,
 }
 
@@ -137,7 +137,7 @@ impl RunningBenchmark {
         lock(&self.points).clone()
     }
 
-    /// The ways to keep a frame whose rate and distortion are known.
+    /// The encodings of a frame with known rate and distortion.
     pub fn rates(&self) -> Vec<Arc<RatePoint>> {
         lock(&self.rates).clone()
     }
@@ -167,7 +167,7 @@ impl Benchmark {
         }
     }
 
-    /// The ways to keep a frame whose rate and distortion are known.
+    /// The encodings of a frame with known rate and distortion.
     pub fn rates(&self) -> Vec<Arc<RatePoint>> {
         match self {
             Self::Running(running) => running.rates(),
@@ -219,7 +219,7 @@ impl Benchmark {
         });
     }
 
-    /// Takes what the thread came to.
+    /// Takes the result of the thread.
     pub(in crate::app) fn finish(&mut self, BenchmarkEnded(result): BenchmarkEnded) {
         let cancelled = matches!(self, Self::Running(running) if running.work.progress().is_cancelled());
         let so_far = SoFar {

@@ -17,7 +17,7 @@ use std::time::Duration;
 /// Height of a bar in the chart, points.
 const BAR_HEIGHT: f32 = 22.0;
 
-/// Between the window and the edges of its room, points.
+/// Margin between the window and the edges of its space, points.
 const MARGIN: f32 = 10.0;
 
 /// Default width: the right half of the image is visible next to it, points.
@@ -31,11 +31,11 @@ const MIN_SIZE: [f32; 2] = [260.0, 140.0];
 pub(in crate::app) enum BenchmarkRequest {
     /// Write the report to a file that is chosen with a dialog.
     Save(ReportFormat),
-    /// Draw as this way does.
+    /// Draw with this mode.
     DrawAs(Arc<LabPoint>),
     /// Draw by this instancing strategy.
     Use(Strategy),
-    /// Show the frame as it is when it is kept so.
+    /// Show the frame as decoded from this encoding.
     ShowRetained(Arc<RatePoint>),
 }
 
@@ -140,7 +140,7 @@ fn contents(ui: &mut Ui, benchmark: &Benchmark) -> Option<BenchmarkRequest> {
     request
 }
 
-/// The tables; returns as what the person wants to save them.
+/// The tables; returns the format in which the user wants to save them.
 fn done(ui: &mut Ui, table: &BenchmarkTable) -> Option<ReportFormat> {
     ScrollArea::both().id_salt("table").max_height(260.0).show(ui, |ui| {
         for table in &table.tables {

@@ -1,4 +1,4 @@
-//! The picture of what was measured, and its errors.
+//! The measured image, and its errors.
 
 use egui::{ColorImage, RichText, TextureHandle, TextureOptions, Ui};
 use image::RgbaImage;
@@ -6,7 +6,7 @@ use image::RgbaImage;
 /// Width above which images are next to the list, points.
 const SIDE_BY_SIDE_WIDTH: f32 = 760.0;
 
-/// Side by side where there is room, else one below the other.
+/// Side by side where there is space, else one below the other.
 pub(super) fn side_by_side_or_below(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
     if ui.available_width() < SIDE_BY_SIDE_WIDTH {
         ui.vertical(add);
@@ -35,7 +35,7 @@ pub(super) fn pictures_ui(ui: &mut Ui, label: &str, number: u64, [picture, error
     });
 }
 
-/// The texture of a picture, made when it is first shown.
+/// The texture of an image, created when it is first shown.
 fn texture(ui: &Ui, label: &str, number: u64, what: &'static str, image: &RgbaImage) -> TextureHandle {
     let id = egui::Id::unique((label, number, what));
     if let Some(texture) = ui.data(|data| data.get_temp::<TextureHandle>(id)) {

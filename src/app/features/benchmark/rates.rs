@@ -74,7 +74,7 @@ impl Loss {
     }
 }
 
-/// The plot, the chosen way and the list of all; returns a way that was chosen now.
+/// The plot, the chosen encoding and the list of all; returns a newly chosen one.
 pub(super) fn rates_ui(ui: &mut Ui, points: &[Arc<RatePoint>]) -> Option<Arc<RatePoint>> {
     let [loss_id, chosen_id] = ["loss", "chosen rate"].map(|what| ui.scope_id().with(what));
     let mut loss: Loss = ui.data(|data| data.get_temp(loss_id)).unwrap_or_default();
@@ -125,7 +125,7 @@ fn by_rate(points: &[Arc<RatePoint>]) -> Vec<usize> {
     order
 }
 
-/// A way in a line.
+/// An encoding in one line.
 fn words(point: &RatePoint) -> String {
     let decibels = |psnr_db: Option<f64>, what: &str| match psnr_db {
         Some(psnr_db) if psnr_db.is_finite() => format!(", {what} {psnr_db:.1} dB"),
@@ -151,7 +151,7 @@ fn color(sweep: Sweep) -> Color32 {
     }
 }
 
-/// Draws all ways that lose something; the one that was clicked.
+/// Draws all lossy encodings; returns the clicked one.
 fn plot(ui: &mut Ui, points: &[Arc<RatePoint>], loss: Loss, chosen: Option<usize>) -> Option<usize> {
     let place = |index: usize| Some([points[index].bits_per_point, loss.of(&points[index])?]);
     let drawn: Vec<(usize, [f64; 2])> = by_rate(points)

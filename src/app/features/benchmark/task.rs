@@ -16,7 +16,7 @@ use std::time::Duration;
 /// Polling interval for the measurement of the other window.
 const LOOK_INTERVAL: Duration = Duration::from_millis(100);
 
-/// The job that runs `suite` on `sequence`: with a GPU context of its own, or in a window of its own.
+/// The job that runs `suite` on `sequence`: with its own GPU context, or in its own window.
 pub(in crate::app) fn benchmark_job(
     suite: &'static bench::Suite,
     name: String,
@@ -36,7 +36,7 @@ pub(in crate::app) fn benchmark_job(
         // Without an adapter the CPU renderer is measured alone.
         let context = Context::headless(&ContextOptions::default()).ok();
         let options = bench::BenchOptions {
-            // What a software adapter draws nobody would choose.
+            // Modes of a software adapter are never a good choice.
             modes: if context.as_ref().is_none_or(|context| context.is_software()) {
                 bench::Modes::of_renderer(RendererChoice::Cpu)
             } else {
@@ -61,7 +61,7 @@ pub(in crate::app) fn benchmark_job(
     })
 }
 
-/// Has this program measure another window of its own: one process has one event loop, and this window's would be
+/// Runs this program again to measure another window: one process has one event loop, and this window's would be
 /// measured with the benchmark's panel in it.
 fn window_job(sequence: &Sequence, progress: &Progress) -> Result<BenchmarkTable, String> {
     let say = |error: std::io::Error| format!("the other window cannot be opened: {error}");

@@ -1,4 +1,4 @@
-//! The camera path in the window: keyframes of what is shown, the path as it plays, its file, and what would be lost.
+//! The camera path in the window: keyframes of the view, the playing path, its file, and unsaved changes.
 
 use super::PathEditor;
 use super::marks::paint_path;
@@ -26,7 +26,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 impl State {
-    /// Sets a keyframe of what is shown at the path's time.
+    /// Sets a keyframe of the view at the path's time.
     pub(in crate::app) fn add_keyframe(&mut self) {
         self.panels.set(PanelId::CAMERA_PATH, true);
         let frame = self.frame_for_path();
@@ -126,7 +126,7 @@ impl State {
         }
     }
 
-    /// Does what was asked about.
+    /// Continues with the action of the question.
     pub(in crate::app) fn go_on_with(&mut self, what: Question) {
         self.features.path.question = None;
         match what {
@@ -154,7 +154,7 @@ impl State {
         losses.chain(of_session).collect()
     }
 
-    /// True if nothing is lost when the window closes; else the person is asked, and closing it again closes it.
+    /// True if nothing is lost when the window closes; else the user is asked, and closing it again closes it.
     pub fn may_close(&mut self) -> bool {
         if self.features.path.question == Some(Question::Quit) || self.losses().is_empty() {
             return true;
@@ -189,7 +189,7 @@ impl State {
             .try_start("save camera path", move || save_path(file, draft));
     }
 
-    /// Takes what became of a file.
+    /// Takes the result of a file operation.
     pub(in crate::app) fn take_path_file(&mut self, path: PathFile) {
         match path {
             PathFile::Read { file, draft } => self.take_path(draft, Some(file)),

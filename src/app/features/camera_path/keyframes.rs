@@ -1,4 +1,4 @@
-//! The list of keyframes: when each is reached, what is shown then, and what the sequence does until the next one.
+//! The list of keyframes: the time of each, its frame, and the playback until the next one.
 
 use super::request::PathRequest;
 use super::{Draft, PathEditor};
@@ -170,7 +170,7 @@ fn pace_text(pace: f64) -> String {
     }
 }
 
-/// Changes the path itself; what is seen of it is the window's to change.
+/// Changes the path itself; its display is changed by the window.
 fn change(path: &mut PathEditor, index: usize, what: Asked) -> Option<PathRequest> {
     match what {
         Asked::Go => return Some(PathRequest::GoTo(path.draft.keyframes()[index].time_s)),

@@ -1,4 +1,4 @@
-//! The camera path over the picture.
+//! The camera path over the image.
 
 use crate::app::theme::ACCENT;
 use crate::app::widgets::overlay::PictureOverlay;
@@ -6,10 +6,10 @@ use crate::scene::CameraPath;
 use egui::Stroke;
 use glam::DVec3;
 
-/// A path is painted in so many pieces.
+/// Number of pieces in which a path is painted.
 const PIECES: usize = 256;
 
-/// The way of the eye, with a ring at each keyframe.
+/// Paints the trajectory of the eye, with a ring at each keyframe.
 pub(in crate::app) fn paint_path(canvas: &PictureOverlay<'_>, path: &CameraPath) {
     let eye = |piece: usize| {
         let share = piece as f64 / PIECES as f64;

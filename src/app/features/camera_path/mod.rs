@@ -1,6 +1,6 @@
-//! The camera path that is being made: its keyframes ([`Draft`]), the time at which the next one is set, and its file.
+//! The camera path being edited: its keyframes ([`Draft`]), the time at which the next one is set, and its file.
 //!
-//! A path is of the document. What is neither kept nor in a file is never lost without a question.
+//! A path belongs to the document. Unsaved changes are never lost without a question.
 
 mod in_window;
 mod keyframes;
@@ -22,7 +22,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// From one keyframe to the next, unless a person says otherwise, seconds.
+/// Default time from one keyframe to the next, seconds.
 const DEFAULT_STEP_S: f64 = 2.0;
 
 /// The camera path of the window.
@@ -153,7 +153,7 @@ impl PathEditor {
         self.file = file;
     }
 
-    /// Takes notice that `draft` is kept in another file: its own stays as it was.
+    /// Records that `draft` is stored in another file: its own stays unchanged.
     pub(in crate::app) fn note_stored(&mut self, draft: Arc<Draft>) {
         self.saved = draft;
     }

@@ -3,7 +3,7 @@
 use crate::scene::{Camera, CameraPath};
 use std::time::Duration;
 
-/// A path that plays. Whoever moves the camera meanwhile ends it.
+/// A playing path. Moving the camera ends it.
 #[derive(Debug, Clone)]
 pub(in crate::app) struct Preview {
     path: CameraPath,
@@ -28,7 +28,7 @@ pub(in crate::app) struct PreviewTime {
 }
 
 impl Preview {
-    /// `path` from `time_s` on; from its first keyframe if there is nothing left of it then.
+    /// `path` from `time_s` on; from its first keyframe if the time is past its end.
     pub(in crate::app) fn new(path: CameraPath, time_s: f64, camera: Camera, now: Duration, resumes: bool) -> Self {
         let from_s = time_s - first_s(&path);
         let is_within = (0.0..path.duration_s()).contains(&from_s);

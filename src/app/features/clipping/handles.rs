@@ -10,7 +10,7 @@ use crate::scene::{Clip, ClipShape};
 use egui::{Color32, CursorIcon, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2, WidgetInfo, vec2};
 use glam::DVec3;
 
-/// Half the edge of what takes hold of a handle, points.
+/// Half the edge of a handle's grab area, points.
 const GRAB: f32 = 10.0;
 
 /// Radius of a handle, points.
@@ -19,7 +19,7 @@ const RADIUS: f32 = 5.0;
 /// Height of a number above a handle, points.
 const LABEL_HEIGHT: f32 = 30.0;
 
-/// The axes, coloured as those in the corner of the picture.
+/// The axes, coloured like those in the corner of the image.
 const AXES: [(&str, Color32); 3] = [("X", AXIS_COLORS[0]), ("Y", AXIS_COLORS[1]), ("Z", AXIS_COLORS[2])];
 
 /// Handle that is dragged along a line.

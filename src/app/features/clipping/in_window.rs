@@ -36,7 +36,7 @@ impl State {
         })
     }
 
-    /// Has a box around all frames take in those that were read since.
+    /// Extends a box around all frames to those read since.
     pub(in crate::app) fn follow_clip(&mut self) {
         let clip = self.style.clip;
         if clip.is_some_and(|clip| clip.is_on && self.features.clipping.is_around_all(&clip))
@@ -53,7 +53,7 @@ impl Feature<State> for FeatureOf<Clipping> {
     }
 
     fn forget_sequence(&self, state: &mut State) {
-        // Its coordinates are those of the previous sequence.
+        // Its coordinates belong to the previous sequence.
         state.style.clip = None;
         state.features.clipping.forget_frames();
     }
@@ -104,7 +104,7 @@ fn clip(ui: &mut Ui, state: &mut State) {
     clip_ui(ui, &mut context);
 }
 
-/// The handles of what is clipped, over the picture of the open sequence.
+/// The handles of the clip shape, over the image of the open sequence.
 fn clip_handles(ui: &Ui, state: &mut State) {
     let is_shown = state.features.clipping.shows_outline;
     let Some(frames) = state.clipped_frames().filter(|_| is_shown) else {

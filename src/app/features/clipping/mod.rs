@@ -14,11 +14,11 @@ use glam::DVec3;
 pub struct Clipping {
     /// Visibility of the outline with its handles in the image.
     pub shows_outline: bool,
-    /// The shape that was put around all frames: as long as nobody changes it, it grows with frames that become known.
+    /// The shape that was put around all frames: until it is edited, it grows as frames become known.
     around_all: Option<ClipShape>,
     /// Handle being dragged.
     held: Option<Held>,
-    /// Bounds of the frames, at this revision of what is known of them.
+    /// Bounds of the known frames, at this revision.
     known: Option<(u64, KnownBounds)>,
 }
 
@@ -123,7 +123,7 @@ impl Clipping {
         self.around_all == Some(clip.shape)
     }
 
-    /// Has a box that was put around all frames take in those that have become known.
+    /// Extends a box around all frames to those that have become known.
     pub(in crate::app) fn grow(&mut self, clip: &mut Option<Clip>, frames: &ClippedFrames) {
         if let Some(clip) = clip.as_mut()
             && matches!(clip.shape, ClipShape::Box { .. })
@@ -157,7 +157,7 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
-    /// A cube from the origin of the sequence on, and one around so many frames.
+    /// A cube that starts at the origin of the sequence, and one around `known` frames.
     fn frames(edge: f32, known: usize) -> ClippedFrames {
         let cube = |edge: f32| Aabb {
             min: Vec3::ZERO,

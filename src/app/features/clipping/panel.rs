@@ -7,7 +7,7 @@ use crate::scene::{Clip, ClipShape};
 use egui::{Button, Checkbox, DragValue, Ui};
 use glam::DVec3;
 
-/// Edges are dragged over the whole cloud in so many points of the screen.
+/// Dragging distance that moves an edge over the whole cloud, points of the screen.
 const DRAG_POINTS: f64 = 300.0;
 
 const AXES: [(&str, DVec3); 3] = [("X", DVec3::X), ("Y", DVec3::Y), ("Z", DVec3::Z)];

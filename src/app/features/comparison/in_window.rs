@@ -88,7 +88,7 @@ impl State {
         }
     }
 
-    /// Back to one picture, drawn as `side` was.
+    /// Back to one image, drawn as `side` was.
     pub(in crate::app) fn end_comparison(&mut self, side: Side) {
         self.edit_side(side);
         self.features.comparison = None;
@@ -107,7 +107,7 @@ impl State {
         }
     }
 
-    /// Compares the picture of the window's settings, or of the open sequence, with the other one.
+    /// Compares the image of the window's settings, or of the open sequence, with the other one.
     pub fn compare_pictures(&self, edited: image::RgbaImage, other: image::RgbaImage) {
         let edited_side = self.features.comparison.as_ref().map(|comparison| comparison.edited);
         let pair = match edited_side {

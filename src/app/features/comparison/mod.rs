@@ -1,9 +1,9 @@
 //! Two render modes of one frame side by side, and the difference of their images.
 //!
-//! How it works: the settings of the window are those of the side that is edited; the other side's are here, with a
-//! scene, a packet and what its images need of the frame beyond what is prepared. That is completed when it is drawn:
-//! it is a method to look at a frame, not to play. Once both images have been stable for a short time they are read
-//! back and compared on a thread.
+//! How it works: the settings of the window belong to the edited side; the other side's are here, with a scene, a
+//! packet and the data that its images need beyond the prepared frame. These are completed when it is drawn: it is for
+//! examining a frame, not for playback. Once both images have been stable for a short time they are read back and
+//! compared on a thread.
 
 mod in_window;
 mod pair;
@@ -17,14 +17,14 @@ use crate::scene::{Scene, ScenePacket, Settings, Style};
 use crate::sequence::{PrepareCounters, PreparedFrame, complete};
 use std::sync::Arc;
 
-/// Second render mode, alongside that of the window.
+/// Second render mode, alongside the window's.
 #[derive(Debug)]
 pub struct Comparison {
     /// Settings of the side that is not edited.
     pub other: Settings,
     /// The side that the settings of the window are of.
     pub edited: Side,
-    /// Both pictures.
+    /// Both images.
     pub pictures: PicturePair,
     scene: Scene,
     /// Completed for the other side.
@@ -68,7 +68,7 @@ impl Comparison {
         Some(packet)
     }
 
-    /// Forgets what was drawn.
+    /// Forgets the drawn image.
     pub(in crate::app) fn forget_picture(&mut self) {
         self.packet = None;
     }

@@ -1,4 +1,4 @@
-//! Two pictures, and how far they are from each other.
+//! Two images, and their difference.
 
 use crate::app::work::outcome::Message;
 use crate::app::work::tasks::{TaskFailed, TaskOutcome, Tasks};
@@ -12,7 +12,7 @@ use std::time::Duration;
 /// Time for which both images must have been unchanged before they are compared.
 const REST: Duration = Duration::from_millis(250);
 
-/// Pairs of pictures so far, so that the answer for one that has gone is known as such.
+/// Number of image pairs so far, to recognise results for a replaced pair.
 static PAIRS: AtomicU64 = AtomicU64::new(0);
 
 /// Pair of images next to each other.
@@ -20,11 +20,11 @@ static PAIRS: AtomicU64 = AtomicU64::new(0);
 pub struct PicturePair {
     /// Position of the dividing line between them, as a fraction of the width from the left.
     pub split: f32,
-    /// Shows where the pictures differ instead of them.
+    /// Shows the difference instead of the images.
     pub shows_difference: bool,
     /// Difference of the images, once they have been compared.
     pub difference: Option<PictureDifference>,
-    /// When the pictures are to be compared.
+    /// Time at which the images are to be compared.
     due: Option<Duration>,
     /// Identifier of the image pair.
     pair: u64,
@@ -49,9 +49,9 @@ impl Message for PictureDifference {}
 pub struct PictureDifference {
     /// Mean FLIP, 0 to 1.
     pub flip: f64,
-    /// Infinite for equal pictures.
+    /// Infinite for equal images.
     pub psnr_db: f64,
-    /// `None` for pictures too small for it.
+    /// `None` for images too small for it.
     pub ssim: Option<f64>,
     /// The FLIP error of each pixel in colours.
     pub map: Arc<RgbaImage>,
@@ -59,26 +59,26 @@ pub struct PictureDifference {
 }
 
 impl PicturePair {
-    /// Takes notice that one of the pictures is another one at `now`.
+    /// Records that one of the images changed at `now`.
     pub(in crate::app) fn note_change(&mut self, now: Duration) {
         self.pair = 1 + PAIRS.fetch_add(1, Ordering::Relaxed);
         self.difference = None;
         self.due = Some(now + REST);
     }
 
-    /// Knows no difference any more: the pictures are of different places, or there is only one.
+    /// Forgets the difference: the images show different places, or there is only one.
     pub(in crate::app) fn forget_difference(&mut self) {
         self.pair = 1 + PAIRS.fetch_add(1, Ordering::Relaxed);
         self.difference = None;
         self.due = None;
     }
 
-    /// When the pictures are to be compared.
+    /// Time at which the images are to be compared.
     pub(in crate::app) fn next_deadline(&self) -> Option<Duration> {
         self.due
     }
 
-    /// True once, when the pictures have rested.
+    /// True once, when the images have been stable long enough.
     pub(in crate::app) fn is_due(&mut self, now: Duration) -> bool {
         let is_due = self.due.is_some_and(|due| due <= now);
         if is_due {
@@ -87,7 +87,7 @@ impl PicturePair {
         is_due
     }
 
-    /// Compares both pictures on a thread. They may be of different sizes.
+    /// Compares both images on a thread. They may be of different sizes.
     pub(in crate::app) fn compare<T: TaskOutcome + From<PictureDifference>>(
         &self,
         [a, b]: [RgbaImage; 2],
@@ -99,7 +99,7 @@ impl PicturePair {
         });
     }
 
-    /// Takes the answer, unless one of the pictures has changed since.
+    /// Takes the result, unless one of the images has changed since.
     pub(in crate::app) fn take_in(&mut self, difference: PictureDifference) {
         if difference.pair == self.pair {
             self.difference = Some(difference);

@@ -1,4 +1,4 @@
-//! The bar of an A/B view: which side the settings are of, the numbers, and where the pictures differ.
+//! The bar of an A/B view: the edited side, the numbers, and the difference of the images.
 
 use super::{Comparison, PicturePair};
 use crate::app::side::Side;
@@ -7,9 +7,9 @@ use egui::{Checkbox, Ui};
 /// Request of the bar to the window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::app) enum ComparisonRequest {
-    /// The settings are those of this side from now on.
+    /// Edit the settings of this side from now on.
     Edit(Side),
-    /// Back to one picture, drawn as this side is.
+    /// Back to one image, drawn as this side is.
     Use(Side),
 }
 

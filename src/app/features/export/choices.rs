@@ -3,7 +3,7 @@
 use crate::export::{MAX_EDGE_PX, VideoFormat};
 use std::path::PathBuf;
 
-/// Longest edge of the pictures of a video: several of them are in memory at a time.
+/// Max edge of the images of a video: several of them are in memory at a time.
 const MAX_VIDEO_EDGE_PX: u32 = 16_384;
 
 /// Default frame rate in frames per second of animations that move by themselves.
@@ -14,11 +14,11 @@ pub(super) const USUAL_RATE: f64 = 30.0;
 pub enum ExportSubject {
     /// Image on the screen, in any size.
     Picture,
-    /// The camera turns about the up axis.
+    /// The camera orbits about the up axis.
     Turntable,
     /// The camera path.
     Path,
-    /// The sequence plays from in to out point while the camera stands still.
+    /// The sequence plays from in to out point with a fixed camera.
     Sequence,
 }
 
@@ -43,15 +43,15 @@ impl ExportSubject {
 pub struct Export {
     /// Subject that is shown.
     pub subject: ExportSubject,
-    /// Width and height of the pictures; those of the window if `None`.
+    /// Width and height of the images; the window's if `None`.
     pub size_px: Option<[u32; 2]>,
     /// Video format; images are PNG files.
     pub format: VideoFormat,
     /// Frame rate in frames per second.
     pub per_second: f64,
-    /// Pictures of a turntable.
+    /// Number of images of a turntable.
     pub pictures: usize,
-    /// Its turns, negative the other way.
+    /// Its revolutions, negative in the other direction.
     pub turns: f64,
     /// True if the turntable holds the shown frame instead of playing.
     pub holds_frame: bool,

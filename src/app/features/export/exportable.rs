@@ -16,7 +16,7 @@ pub(in crate::app) struct Exportable {
     pub(in crate::app) stem: String,
     /// The camera path.
     pub(in crate::app) path: Arc<Draft>,
-    /// Width and height of the picture in the window.
+    /// Width and height of the image in the window.
     pub(in crate::app) window_px: [u32; 2],
     /// Another export is under way.
     pub(in crate::app) is_busy: bool,
@@ -38,7 +38,7 @@ impl Export {
         self.choose(subject.unwrap_or(self.subject), clock);
     }
 
-    /// Chooses what is exported; the rate becomes the usual one of that.
+    /// Chooses the subject of the export; the rate becomes its default.
     pub(in crate::app) fn choose(&mut self, subject: ExportSubject, clock: Option<&Clock>) {
         let of_sequence = clock.map(|clock| clock.fps() * clock.speed().abs());
         self.subject = subject;
@@ -48,7 +48,7 @@ impl Export {
         };
     }
 
-    /// Width and height of what is exported from a window with a picture of `window_px`.
+    /// Width and height of the export from a window with an image of `window_px`.
     pub(in crate::app) fn drawn_px(&self, window_px: [u32; 2]) -> [u32; 2] {
         let max_edge_px = self.max_edge_px();
         let size_px = self.size_px.unwrap_or(window_px);

@@ -1,4 +1,4 @@
-//! Pictures and videos out of the window: the beginning and the end of an export.
+//! Export of images and videos from the window: start and end.
 
 use super::Export;
 use super::panel::{ExportRequest, export_ui};
@@ -47,7 +47,7 @@ impl State {
         self.features.export.format = format;
     }
 
-    /// Chooses what is exported; the rate becomes the usual one of that.
+    /// Chooses the subject of the export; the rate becomes its default.
     pub fn choose_export(&mut self, subject: ExportSubject) {
         let clock = self.player.as_ref().map(Player::clock);
         self.features.export.choose(subject, clock);
@@ -64,7 +64,7 @@ impl State {
         }
     }
 
-    /// Width and height of what is exported.
+    /// Width and height of the export.
     pub fn export_size_px(&self) -> [u32; 2] {
         self.features.export.drawn_px(self.viewport.size_px)
     }
@@ -190,7 +190,7 @@ impl State {
         }
     }
 
-    /// Says what came of an export.
+    /// Reports the result of an export.
     pub(in crate::app) fn export_has_ended(&mut self, ExportEnded(result): ExportEnded) {
         self.features.export.taken = None;
         match result {

@@ -1,4 +1,4 @@
-//! An export on a thread of its own: all that it needs is taken when it begins, so the window goes on living.
+//! An export on its own thread: all of its inputs are taken when it begins, so the window stays usable.
 
 use super::plan;
 use crate::app::work::outcome::Message;
@@ -17,11 +17,11 @@ use std::time::Duration;
 /// Content that is written.
 #[derive(Debug)]
 pub(in crate::app) enum Shows {
-    /// A frame as a picture.
+    /// A frame as an image.
     Picture { camera: Camera, frame: usize },
     /// A path with a frame of the sequence at each time.
     Path(Box<CameraPath>),
-    /// Turns about the up axis in so many pictures while the sequence plays.
+    /// Revolutions about the up axis in this many images while the sequence plays.
     Turntable {
         camera: Camera,
         turns: f64,
@@ -70,7 +70,7 @@ impl Message for ExportEnded {}
 #[derive(Debug)]
 pub struct ExportEnded(pub(in crate::app) Result<Exported, ExportError>);
 
-/// Does `job`, tells `progress` of each picture or part of one, and stops soon after that was cancelled.
+/// Runs `job`, reports each image or part of one to `progress`, and stops soon after that was cancelled.
 pub(in crate::app) fn run(job: ExportJob, progress: &Progress) -> Result<Exported, ExportError> {
     let ExportJob {
         sequence,

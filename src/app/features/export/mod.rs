@@ -1,4 +1,4 @@
-//! Pictures and videos out of the window: what a person chose, whether that can be done, and the work itself.
+//! Export of images and videos from the window: the user's choices, their validation, and the work itself.
 
 mod choices;
 mod exportable;

@@ -8,7 +8,7 @@ use crate::app::widgets::tool_window::tool_window;
 use crate::export::VideoFormat;
 use egui::{Align2, Button, Checkbox, ComboBox, DragValue, Pos2, RichText, Slider, TextEdit, Ui, vec2};
 
-/// Image sizes offered in addition to that of the window.
+/// Image sizes offered in addition to the window's.
 const SIZES: [(&str, [u32; 2], &str); 6] = [
     ("1280 × 720", [1280, 720], "HD"),
     ("1920 × 1080", [1920, 1080], "Full HD"),

@@ -1,4 +1,4 @@
-//! Export plan: the frame shown at each time, and its camera, in videos that need no keyframes written by a user.
+//! Export plan: the frame shown at each time, and its camera, in videos without keyframes by a user.
 //!
 //! **How it works.** One keyframe per image: it shows the frame that the player would show at the midpoint of that
 //! image's interval, whatever its time stamps, speed, direction and range. Video frames are sampled exactly at
@@ -30,7 +30,7 @@ fn started(clock: &Clock, now: Duration, loop_mode: LoopMode) -> Clock {
     clock
 }
 
-/// The frames that `clock` shows, a picture each; at least one.
+/// The frames that `clock` shows, one per image; at least one.
 fn frames(clock: &Clock, now: Duration, loop_mode: LoopMode, per_second: f64) -> impl Iterator<Item = usize> {
     let mut clock = started(clock, now, loop_mode);
     (0..).map_while(move |picture: usize| {
@@ -45,10 +45,10 @@ fn frames(clock: &Clock, now: Duration, loop_mode: LoopMode, per_second: f64) ->
     })
 }
 
-/// The frames between in and out point, once, as `clock` plays them, seen from where the camera stands.
+/// The frames between in and out point, once, as `clock` plays them, from the current viewpoint.
 ///
 /// # Errors
-/// If there are more pictures than a path has keyframes.
+/// If there are more images than a path can have keyframes.
 pub(super) fn sequence(camera: Camera, clock: &Clock, now: Duration, per_second: f64) -> Result<CameraPath, PathError> {
     let frames = frames(clock, now, LoopMode::Off, per_second);
     let keys = frames.take(CameraPath::MAX_KEYFRAMES + 1).enumerate();
@@ -56,11 +56,11 @@ pub(super) fn sequence(camera: Camera, clock: &Clock, now: Duration, per_second:
     CameraPath::new(keys.collect(), false)
 }
 
-/// `turns` about the up axis in so many pictures, at one pace, as a loop, while the frames play as `clock` does, around
-/// its range.
+/// `turns` revolutions about the up axis in this many images, at constant speed, as a loop, while the frames play as in
+/// `clock`, looping over its range.
 ///
 /// # Errors
-/// If there are more pictures than a path has keyframes.
+/// If there are more images than a path can have keyframes.
 pub(super) fn turntable(
     camera: Camera,
     turns: f64,

@@ -6,8 +6,8 @@ use crate::scene::{FollowedPoint, Pick};
 use crate::sequence::PreparedFrame;
 use glam::DVec3;
 
-/// A point that was clicked on. In frames of as many points it is the one with the same index in the file; in others,
-/// the place.
+/// A point that was clicked on. In frames with the same number of points it is the one with the same index in the file;
+/// in others, the position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Anchor {
     /// Side of the anchor, of two sequences.

@@ -8,7 +8,7 @@ use crate::cloud::LengthUnit;
 use crate::scene::MeasurementKind;
 use egui::{Color32, Stroke, vec2};
 
-/// Paints measurements with lengths in `unit`, what is begun of one, and the point whose values are shown.
+/// Paints measurements with lengths in `unit`, including an unfinished one, and the point whose values are shown.
 pub(in crate::app) fn paint_inspection(canvas: &PictureOverlay<'_>, inspection: &Inspection, unit: Option<LengthUnit>) {
     for measurement in &inspection.measurements {
         let text = value_text(measurement.kind, measurement.value(canvas.up()), unit);

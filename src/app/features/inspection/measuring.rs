@@ -1,4 +1,4 @@
-//! Measurements between clicked points, and what they say.
+//! Measurements between clicked points, and their values.
 
 use super::anchor::Anchor;
 use crate::app::side::Side;
@@ -9,7 +9,7 @@ use crate::scene::MeasurementKind;
 use glam::DVec3;
 use std::fmt::Write as _;
 
-/// A value of `kind` as a person reads it, lengths in `unit`.
+/// A value of `kind` as display text, lengths in `unit`.
 pub(super) fn value_text(kind: MeasurementKind, value: Option<f64>, unit: Option<LengthUnit>) -> String {
     match (kind, value) {
         (_, None) => "none".to_owned(),
@@ -23,7 +23,7 @@ pub(super) fn value_text(kind: MeasurementKind, value: Option<f64>, unit: Option
 pub struct Measurement {
     /// Kind of measurement.
     pub kind: MeasurementKind,
-    /// Its points, as many as the gauge takes.
+    /// Its points, the number that the tool takes.
     pub points: Vec<Anchor>,
 }
 

@@ -1,4 +1,4 @@
-//! Points that a person has clicked on: which they are, and where they are in the frame that is shown.
+//! Points that a user has clicked on, and their positions in the shown frame.
 
 mod anchor;
 mod in_window;
@@ -79,7 +79,7 @@ impl Inspection {
         self.measurements.iter().filter(of_b).count()
     }
 
-    /// Every point that was clicked on: the one whose values are shown, and those of measurements.
+    /// Every point that was clicked on: the one whose values are shown, and the points of measurements.
     pub(in crate::app) fn picked(&self) -> impl Iterator<Item = Anchor> {
         let point = self.point.iter().map(|point| point.anchor);
         let measured = self.measurements.iter().flat_map(|one| &one.points);
@@ -94,13 +94,13 @@ impl Inspection {
         places.try_into().ok()
     }
 
-    /// Chooses what is measured.
+    /// Chooses the measurement tool.
     pub fn measure(&mut self, kind: MeasurementKind) {
         self.begun.clear();
         self.kind = kind;
     }
 
-    /// Forgets what was clicked on; what the next click does stays.
+    /// Forgets the clicked points; the tool stays.
     pub(in crate::app) fn forget_points(&mut self) {
         *self = Self {
             tool: self.tool,
@@ -119,8 +119,8 @@ impl Inspection {
         self.followed[Side::B as usize] = None;
     }
 
-    /// Replaces the measurements of the open sequence by those of a document. Those that exist already stay where their
-    /// points are in the shown frame, and so do those of B, which is in no document.
+    /// Replaces the measurements of the open sequence by a document's. Existing ones keep their points in the shown
+    /// frame, and so do measurements of B, which is in no document.
     pub(in crate::app) fn show_measured(&mut self, list: &[Measured]) {
         let before = std::mem::take(&mut self.measurements);
         let shown = |measured: &Measured| {
@@ -179,7 +179,7 @@ impl Inspection {
         }
     }
 
-    /// Clears one thing after the other: what was begun, the point, the tool. False if nothing was left.
+    /// Clears one item per call: the unfinished measurement, the point, the tool. False if nothing was left.
     pub(in crate::app) fn escape(&mut self) -> bool {
         if !self.begun.is_empty() {
             self.begun.clear();

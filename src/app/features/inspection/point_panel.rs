@@ -24,7 +24,7 @@ pub(in crate::app) struct PointContext<'a> {
     pub(in crate::app) unit: Option<LengthUnit>,
 }
 
-/// The window while the tool is chosen or a point is shown, at `corner`, with what another feature has to say `below`.
+/// The window while the tool is chosen or a point is shown, at `corner`, with the content of another feature `below`.
 pub(in crate::app) fn point_ui(
     ui: &mut Ui,
     inspection: &mut Inspection,
@@ -135,7 +135,7 @@ fn place_rows(values: &Pick) -> Vec<ValueRow> {
         "Coordinate of the file, scene units; at most {:.1e} off, as frames hold f32 from the sequence's origin",
         values.precision
     );
-    // As many decimals as are needed to distinguish neighbours in the frame.
+    // Enough decimals to distinguish neighbours in the frame.
     let decimals = (-values.precision.max(f64::MIN_POSITIVE).log10())
         .ceil()
         .clamp(0.0, 12.0);

@@ -53,8 +53,7 @@ impl State {
         }
     }
 
-    /// Looks where labels are in the frame that is shown, and what hides them. True if the picture that is drawn next
-    /// may hide others.
+    /// Updates the positions of labels in the shown frame, and their occlusion. True if the next image may hide others.
     pub(in crate::app) fn follow_labels(&mut self) -> bool {
         let Some((player, frame)) = self.player.as_ref().and_then(|player| Some((player, player.shown()?))) else {
             return false;
@@ -70,7 +69,7 @@ impl State {
             .note_hidden(picture, camera, |places| drawing.hides(camera, places))
     }
 
-    /// A picture of the open sequence with the labels that are in the window.
+    /// An image of the open sequence with the labels of the window.
     pub(in crate::app) fn with_labels(&self, mut picture: RgbaImage) -> RgbaImage {
         let size_px = picture.dimensions().into();
         let shown = self.features.labels.in_picture().into_iter().enumerate();
@@ -129,7 +128,7 @@ impl Feature<State> for FeatureOf<Labels> {
         state.features.labels.take(Arc::clone(&document.labels));
     }
 
-    /// Paints the labels; of two sequences they are those of the first.
+    /// Paints the labels; of two sequences, the first one's.
     fn paint(&self, state: &State, canvas: &PictureOverlay<'_>, is_first: bool) {
         if is_first {
             paint_labels(canvas, &state.features.labels);

@@ -1,8 +1,8 @@
-//! Labels of the open sequence: texts at points, where they are in the frame that is shown, and what hides them.
+//! Labels of the open sequence: texts at points, their positions in the shown frame, and their occlusion.
 //!
-//! **How it works.** The list is what a person has made; undo knows its states. Where each label is follows from the
-//! list and the frame alone ([`Label::place_in`]), so it is looked up once a frame and list ([`Labels::follow`]). What
-//! hides a label is asked of the picture that was drawn last, once a picture ([`Labels::note_hidden`]).
+//! **How it works.** The list is the user's work, covered by undo. The position of each label follows from the list and
+//! the frame alone ([`Label::place_in`]), so it is looked up once per frame and list ([`Labels::follow`]). Occlusion is
+//! tested with the last image, once per image ([`Labels::note_hidden`]).
 
 mod in_window;
 pub(in crate::app) mod marks;
@@ -50,7 +50,7 @@ impl Default for Labels {
 }
 
 impl Labels {
-    /// Those that are in pictures.
+    /// The labels that are drawn in images.
     pub(in crate::app) fn shown(&self) -> Arc<Vec<Label>> {
         if self.is_shown {
             Arc::clone(&self.list)
@@ -108,7 +108,7 @@ impl Labels {
         }
     }
 
-    /// Asks which places are hidden in the picture of this number, as `camera` sees it; true if that was another one.
+    /// Tests which places are hidden in the image of this number, as `camera` sees it; true if it is a new image.
     pub(in crate::app) fn note_hidden(
         &mut self,
         picture: u64,
@@ -129,7 +129,7 @@ impl Labels {
         true
     }
 
-    /// The place and the text of each that is in the picture, and whether something hides it; hidden ones first.
+    /// The position and the text of each label in the image, and true if it is hidden; hidden ones first.
     pub(in crate::app) fn in_picture(&self) -> Vec<(DVec3, &str, bool)> {
         if !self.is_shown {
             return Vec::new();

@@ -1,4 +1,4 @@
-//! The list of labels: what each says, which frames show it, and where it is.
+//! The list of labels: text, frames and position of each.
 
 use super::Labels;
 use crate::app::open_panels::PanelId;

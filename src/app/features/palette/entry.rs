@@ -28,9 +28,9 @@ pub(in crate::app) enum Action {
 #[derive(Debug, Clone)]
 pub(in crate::app) struct Entry {
     pub(in crate::app) text: Cow<'static, str>,
-    /// A sentence about it; found as well, behind what has the words in its name.
+    /// A sentence about it; found as well, ranked below entries with the words in their names.
     pub(in crate::app) hint: &'static str,
-    /// Its keys for people; empty without any.
+    /// Its keys as display text; empty without any.
     pub(in crate::app) keys: &'static str,
     pub(in crate::app) action: Action,
     /// Another name, found as its text is.
@@ -162,7 +162,7 @@ fn values_of(described: &'static Described) -> Vec<Entry> {
             let entry = Entry::new(format!("{}…", described.name()), described.hint, show);
             vec![entry.also(described.also, &[])]
         }
-        // Colours are offered by a command: they depend on what is open.
+        // Colours are offered by a command: they depend on the open sequence.
         Values::Colors => Vec::new(),
     }
 }

@@ -49,7 +49,7 @@ impl Feature<State> for FeatureOf<Palette> {
     }
 }
 
-/// The list of all that can be asked for.
+/// Shows the command palette.
 fn palette(ui: &mut Ui, state: &mut State) {
     let Some(search) = &state.features.palette.search else {
         return;
@@ -78,7 +78,7 @@ fn palette(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// All entries, for a query with this number: commands, what they offer, rows of the panel of settings, values of
+/// All entries, for a query with this number: commands, their offers, rows of the panel of settings, values of
 /// settings, panels.
 pub(super) fn entries(state: &State, number: Option<f64>) -> Vec<Entry> {
     let runs = commands().filter(|row| matches!(row.act, Act::Run(_)));
@@ -110,7 +110,7 @@ pub(super) fn entries(state: &State, number: Option<f64>) -> Vec<Entry> {
         .collect()
 }
 
-/// A command, by a name that says enough outside of its menu.
+/// A command, by a name that is clear outside of its menu.
 fn of_row(state: &State, row: &'static Row) -> Entry {
     let title = row.title(state);
     let (text, other_name) = if title == row.title {

@@ -1,5 +1,5 @@
-//! The palette: all that a person can ask for, found by words: commands, the values that they take, values and rows of
-//! settings, panels.
+//! The palette: all user commands, found by words: commands, the values that they take, values and rows of settings,
+//! panels.
 //!
 //! **How it works.** Rows of commands, panels and settings bring their names, their synonyms and their offers
 //! (`entry.rs`, `in_window.rs`); [`rank`] compares them with the query. Nothing is named here.

@@ -1,4 +1,4 @@
-//! The window that finds what there is by its name.
+//! The command palette: finds commands, settings and panels by name.
 
 use super::{Entry, Search, find};
 use egui::{Align2, Button, Key, Modifiers, Response, ScrollArea, TextEdit, Ui, Window};
@@ -6,7 +6,7 @@ use egui::{Align2, Button, Key, Modifiers, Response, ScrollArea, TextEdit, Ui, W
 /// Size of the window, points.
 const SIZE: [f32; 2] = [460.0, 320.0];
 
-/// A field and what it finds, while the palette is open. Enter runs, arrows choose, Esc closes. Returns the chosen
+/// A search field and its results, while the palette is open. Enter runs, arrows choose, Esc closes. Returns the chosen
 /// entry.
 pub(in crate::app) fn palette_ui(
     ui: &Ui,

@@ -1,5 +1,5 @@
-//! Phrases that people typed, and the entries that they asked for: one of the first three has to hold one of the texts
-//! on the right (`""`: nothing at all may be found).
+//! Phrases that users typed, and the entries that they wanted: one of the first three has to hold one of the texts on
+//! the right (`""`: nothing at all may be found).
 
 use super::tests::texts_of;
 use crate::app::{State, StateOptions};
@@ -9,7 +9,7 @@ use crate::sequence::{FrameEntry, Sequence};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Entries that a person looks at.
+/// Number of entries that a user looks at.
 const SEEN: usize = 3;
 
 /// Phrases of the first users. Credit: own.

@@ -2,8 +2,8 @@
 //!
 //! **How it works.** Each word of the query is compared with each word of an entry: equal, of the same stem, its
 //! beginning, its letters in order, one typing error apart. The best of these counts, less where it is found in a
-//! description than in a title. A word that no entry has lowers the rank of all and excludes none; what is below
-//! [`MIN_SCORE`], or far below the best entry, is not listed.
+//! description than in a title. A word that no entry has lowers the rank of all and excludes none; entries below
+//! [`MIN_SCORE`], or far below the best one, are not listed.
 
 use super::words::{Word, is_mistyped, likeness, words_of};
 use crate::app::command::NumberUse;
@@ -41,7 +41,7 @@ pub(super) struct Text<'a> {
     pub(super) hint: &'a str,
     /// Its use of the number in the query.
     pub(super) number: NumberUse,
-    /// Added to the score of what is related.
+    /// Added to the score of related entries.
     pub(super) bonus: f32,
 }
 
@@ -107,7 +107,7 @@ impl Likeness {
     }
 }
 
-/// A number is found by what takes it, if the other words of the query, should there be some, are found there too.
+/// Matches a number with an entry that takes one, if all other words of the query are found there too.
 fn take_number(query: &[Word], number: NumberUse, words: &mut [f32]) {
     if number == NumberUse::None || query.iter().all(|word| word.number.is_none()) {
         return;
@@ -132,8 +132,8 @@ fn raise(words: &mut [f32], others: &[f32], factor: f32) {
     }
 }
 
-/// Likeness of each word of the query to the nearest word of a phrase, or to two of its words in a row that people
-/// write as one (full screen), and the other way round.
+/// Likeness of each word of the query to the nearest word of a phrase, or to two of its consecutive words that may be
+/// written as one (full screen), and vice versa.
 fn phrase_likeness(query: &[Word], phrase: &[Word]) -> Vec<f32> {
     let mut words: Vec<f32> = query
         .iter()

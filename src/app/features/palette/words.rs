@@ -1,8 +1,8 @@
-//! Words of a query and of what it is compared with: spelling, stems, typing errors and numbers.
+//! Words of a query and of entries: spelling, stems, typing errors and numbers.
 
 use crate::spelling::{british, edit_distance};
 
-/// A word, spelled in one way.
+/// A normalised word.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Word {
     pub(super) text: String,
@@ -21,7 +21,7 @@ const FILLERS: &[&str] = &[
 ];
 const FILLER_WEIGHT: f32 = 0.1;
 
-/// Shortest word of which one letter may be wrong.
+/// Length of the shortest word in which one letter may be wrong.
 const MIN_MISTYPED: usize = 5;
 
 /// Units after numbers.

@@ -9,10 +9,10 @@ use egui::{CursorIcon, Rect, Role, Sense, Stroke, Ui, Vec2, WidgetInfo};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
-/// Length of the pyramid axis, as a fraction of the distance between the camera and what it looks at.
+/// Length of the pyramid axis, as a fraction of the distance between the camera and its target.
 const LENGTH: f64 = 0.08;
 
-/// Half the edge of what takes a click on a camera, points.
+/// Half the edge of the clickable area of a camera, points.
 const GRAB: f32 = 8.0;
 
 /// Radius of the knob at a camera, points.

@@ -1,4 +1,4 @@
-//! View-dependent texturing in the window: input images of what is shown.
+//! View-dependent texturing in the window: input images of the shown frame.
 
 use super::frusta::frusta_ui;
 use super::panel::{PANEL, PhotosRequest, photos_ui};

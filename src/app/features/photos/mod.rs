@@ -1,10 +1,10 @@
 //! View-dependent texturing: input images are loaded on a thread, and projected on the frame that is drawn.
 //!
-//! How it works. The source states which images there are of a frame; decoding their pixels takes long, so the first
-//! frame is shown in the colours of its points until they are available. As long as frames have the same set, it is
-//! loaded once. In multi-view video each frame has a set of its own: those of the next frames are loaded ahead, and
-//! projected on these frames (`textured.rs`); playing waits for them as for frames, and sets are kept as long as
-//! all of them fit into the budget.
+//! How it works. The source lists the images of a frame; decoding their pixels takes long, so the first frame is shown
+//! in the colours of its points until they are available. As long as frames have the same set, it is loaded once. In
+//! multi-view video each frame has its own set: the sets of the next frames are loaded ahead, and projected on these
+//! frames (`textured.rs`); playing waits for them as for frames, and sets stay cached as long as all of them fit into
+//! the budget.
 
 pub(in crate::app) mod frusta;
 mod in_window;
@@ -31,7 +31,7 @@ use textured::{Parts, TexturedFrames};
 
 impl Message for PhotosLoaded {}
 
-/// A set whose pixels were loaded; `None` where nobody waits for it any more.
+/// A set whose pixels were loaded; `None` if it was cancelled.
 #[derive(Debug)]
 pub(in crate::app) struct PhotosLoaded(Option<LoadedSet>);
 
@@ -55,9 +55,9 @@ const SHARES: u64 = FRAMES_AHEAD as u64 + 3;
 pub struct Photos {
     /// Visibility of the camera frusta in the rendered view.
     pub shows_frusta: bool,
-    /// The one that was asked for last comes last.
+    /// Least recently used first.
     loaded: Vec<LoadedSet>,
-    /// That of the shown frame.
+    /// The set of the shown frame.
     shown: Option<Arc<ViewSet>>,
     /// Positions that the images of a set look at: a walk over all of its points.
     centers: Option<(Arc<ViewSet>, Arc<[DVec3]>)>,
@@ -138,7 +138,7 @@ impl Photos {
     }
 
     /// Starts to load the input images of the shown frame, and then of those that follow, if the style draws them, and
-    /// to project them on these frames; ends what nobody waits for.
+    /// to project them on these frames; cancels work that is no longer needed.
     pub(in crate::app) fn follow<T>(&mut self, player: &Player, style: &Style, tasks: &Tasks<T>)
     where
         T: TaskOutcome + From<PhotosLoaded> + From<TexturedFrame>,
@@ -276,7 +276,7 @@ impl Photos {
         self.loaded(self.shown.as_ref()?)
     }
 
-    /// Forgets sets that nobody asked for in a long time, until one of `bytes` fits into the budget.
+    /// Evicts least recently used sets, until one of `bytes` fits into the budget.
     fn free_space(&mut self, bytes: usize) {
         let size = |loaded: &LoadedSet| loaded.loaded.posed_images.byte_size() as u64;
         let mut total = bytes as u64 + self.loaded.iter().map(size).sum::<u64>();

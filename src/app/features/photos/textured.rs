@@ -1,9 +1,9 @@
 //! View-dependent texturing of frames: frames with input images on them.
 //!
-//! How it works. To texture a frame, outliers are searched and splats are curved with the surface, then the depths that
-//! each image sees of it are rendered. All of it takes longer than rendering a frame, so it is done on threads: for
-//! what is drawn first, then for the frames that follow it. Until that is available, a frame is drawn in the colours of
-//! its points, or as it was before: of fewer points, with other images, or with smaller disks.
+//! How it works. To texture a frame, outliers are searched and splats are curved with the surface, then its depths from
+//! each image are rendered. All of it takes longer than rendering a frame, so it is done on threads: for the drawn
+//! frame first, then for the frames that follow it. Until that is available, a frame is drawn in the colours of its
+//! points, or as it was before: of fewer points, with other images, or with smaller disks.
 
 use crate::app::work::outcome::Message;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
@@ -17,7 +17,7 @@ use glam::DVec3;
 use rayon::ThreadPool;
 use std::sync::Arc;
 
-/// Frames that are kept, however large they are: the shown one, those ahead, and some to go back to.
+/// Number of cached frames, however large they are: the shown one, those ahead, and some to go back to.
 const RETAINED: usize = 6;
 
 /// Budget for keeping more frames, as long as all take no more than this together: a short multi-view video is played
@@ -29,7 +29,7 @@ const RETAINED_BYTES: usize = 256 << 20;
 pub(super) struct Parts {
     pub(super) frame: Arc<PreparedFrame>,
     pub(super) posed_images: Arc<PosedImages>,
-    /// Depths are of disks as large as this says.
+    /// Depths are of disks of this size.
     pub(super) surfels: SurfelStyle,
 }
 
@@ -117,10 +117,10 @@ impl TexturedFrame {
     }
 }
 
-/// Those that are there, and the one that is made.
+/// Finished frames, and the one being made.
 #[derive(Debug, Default)]
 pub(super) struct TexturedFrames {
-    /// The one that was asked for last comes last.
+    /// Least recently used first.
     made: Vec<TexturedFrame>,
     running: Option<Parts>,
     /// Parts drawn without input images, or with others.
@@ -153,8 +153,8 @@ impl TexturedFrames {
         })
     }
 
-    /// Returns the next parts to texture, if nothing is under way: what is drawn without, else the first of `following`
-    /// that is not available.
+    /// Returns the next parts to texture, if nothing is under way: the drawn ones if they lack it, else the first of
+    /// `following` that is not available.
     pub(super) fn next(&self, following: impl Iterator<Item = Parts>) -> Option<Parts> {
         if self.running.is_some() {
             return None;

@@ -1,5 +1,5 @@
 //! Render mode chosen by its measured time and error, or restored with a session. The renderer and the pixel count are
-//! not part of a document; those of such a mode are used for the open sequence alone, and are restored with the next.
+//! not part of a document; such a mode's are used for the open sequence alone, and are reset with the next.
 
 use super::MeasuredQuality;
 use super::panel::{QualityRequest, quality_ui};
@@ -12,7 +12,7 @@ use crate::scene::Settings;
 use egui::Ui;
 
 impl State {
-    /// Draws the open sequence as `way`, which was measured with it.
+    /// Draws the open sequence with the mode `way`, which was measured with it.
     pub fn draw_as_measured(&mut self, way: &Settings) {
         let before = self.usual_style(self.style);
         self.draw_as(way);
@@ -25,7 +25,7 @@ impl State {
         self.opening.measured_way.map_or(style, |way| way.undone(style))
     }
 
-    /// Returns the settings, those of A where two render modes are compared.
+    /// Returns the settings, or A's where two render modes are compared.
     pub(in crate::app) fn style_of_a(&self) -> Settings {
         let comparison = self.features.comparison.as_ref();
         let of_a = comparison.filter(|comparison| comparison.edited == Side::B);
@@ -34,7 +34,7 @@ impl State {
 }
 
 impl Feature<State> for FeatureOf<MeasuredQuality> {
-    /// Reads what was measured of the open sequence before.
+    /// Reads earlier measurements of the open sequence.
     fn update(&self, state: &mut State) -> bool {
         let Some(player) = &state.player else {
             return false;

@@ -11,7 +11,7 @@ use crate::sequence::Sequence;
 pub struct QualityLimits {
     /// Largest FLIP of the object, 0 to 1.
     pub flip: f64,
-    /// Longest time of a picture, milliseconds.
+    /// Max time of an image, milliseconds.
     pub draw_ms: f64,
 }
 
@@ -28,7 +28,7 @@ impl Default for QualityLimits {
 /// Measured quality of the open sequence's render modes.
 #[derive(Debug, Default)]
 pub struct MeasuredQuality {
-    /// The ways that no other beats, once they were measured.
+    /// The Pareto-optimal modes, once they were measured.
     pub known: Option<Quality>,
     /// Budget limits set by the user.
     pub limits: QualityLimits,
@@ -37,7 +37,7 @@ pub struct MeasuredQuality {
 }
 
 impl MeasuredQuality {
-    /// Reads what was measured before, once it is known what it would be kept by. True if there is something.
+    /// Reads earlier measurements, once their key is known. True if there are any.
     pub(in crate::app) fn look(&mut self, adapter: &str, sequence: &Sequence) -> bool {
         if adapter.is_empty() || self.key.is_some() {
             return false;
@@ -48,7 +48,7 @@ impl MeasuredQuality {
         self.known.is_some()
     }
 
-    /// Takes over what a benchmark has found, and keeps it.
+    /// Takes over the results of a benchmark, and stores them.
     pub(in crate::app) fn learn(&mut self, points: &[LabPoint]) {
         let Some(quality) = Quality::of(points) else {
             return;

@@ -14,8 +14,7 @@ pub(super) enum QualityRequest {
     DrawAs(Box<Settings>),
 }
 
-/// A slider over the ways that no other beats, and the two limits that choose one of them. What
-/// is asked for.
+/// A slider over the Pareto-optimal modes, and the two limits that choose one of them. Returns the request.
 pub(super) fn quality_ui(ui: &mut Ui, quality: &mut MeasuredQuality, style: &Settings) -> Option<QualityRequest> {
     heading(ui, "Quality");
     if let Some(known) = &quality.known {

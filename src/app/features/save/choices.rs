@@ -6,7 +6,7 @@ use crate::io::WriteFormat;
 use crate::reel::{Coding, Precision, ReelOptions};
 use std::path::PathBuf;
 
-/// As what the sequence is written.
+/// Format in which the sequence is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SaveFormat {
     /// One sequence file.
@@ -22,7 +22,7 @@ pub enum PrecisionKind {
     PointSpacing,
     /// Cells about as large as points are far apart; the points in one become one.
     SamplingDensity,
-    /// Cells of so many bits.
+    /// Cells of a given number of bits.
     Bits,
     /// No coordinate is off by more than a length.
     Length,
@@ -31,12 +31,12 @@ pub enum PrecisionKind {
 }
 
 impl PrecisionKind {
-    /// Returns true if points are kept one by one, so that they can have an order and numbers as they are.
+    /// Returns true if points are stored one by one, so that their order and exact numbers can be retained.
     pub(super) fn keeps_points(self) -> bool {
         matches!(self, Self::PointSpacing | Self::Length | Self::Lossless)
     }
 
-    /// Returns this precision with the points of each cell merged or not, where that is a choice of its own.
+    /// Returns this precision with the points of each cell merged or not, where that is a separate choice.
     pub(super) fn merged(self, merges: bool) -> Self {
         match (self, merges) {
             (Self::PointSpacing, true) => Self::SamplingDensity,
@@ -50,7 +50,7 @@ impl PrecisionKind {
 #[derive(Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a choice of its own")]
 pub struct Save {
-    /// As what it is written.
+    /// Format of the output.
     pub format: SaveFormat,
     /// Precision of positions.
     pub precision: PrecisionKind,
@@ -62,11 +62,11 @@ pub struct Save {
     pub coding: Coding,
     /// Normals are estimated where the files have none and points that are merged sample a surface.
     pub estimates_normals: bool,
-    /// Bits of a normal; 0 keeps the numbers, where points are kept one by one.
+    /// Bits of a normal; 0 retains the exact numbers, where points are stored one by one.
     pub normal_bits: u8,
     /// Most that a channel of a colour is off by.
     pub color_error: u8,
-    /// Points keep the order of the file, where they are kept one by one.
+    /// Points retain the order of the file, where they are stored one by one.
     pub keeps_order: bool,
     /// Only frames from in to out point are written.
     pub is_of_range: bool,
@@ -106,7 +106,7 @@ impl Default for Save {
 }
 
 impl Save {
-    /// Chooses how precisely positions are kept. What is lossless is so in everything at first.
+    /// Chooses the precision of positions. A lossless choice makes everything lossless at first.
     pub fn choose_precision(&mut self, precision: PrecisionKind) {
         let options = match precision {
             PrecisionKind::Lossless => ReelOptions::lossless(),

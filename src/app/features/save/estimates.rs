@@ -1,8 +1,8 @@
 //! Estimates for the save settings, computed on a thread while they are edited.
 //!
 //! **How it works.** The shown frame and some others are evaluated one after the other ([`SampleFrame`]), so the first
-//! numbers are there soon. A change of the settings cancels what is under way; nothing begins before they have been
-//! stable for a short time. Decoded frames are kept for the next settings as long as they are small. The numbers of the
+//! numbers appear soon. A change of the settings cancels the running estimate; none begins before they have been stable
+//! for a short time. Decoded frames stay cached for the next settings as long as they are small. The numbers of the
 //! previous settings stay visible until there are new ones.
 
 use crate::app::work::outcome::Message;
@@ -21,7 +21,7 @@ const REST: Duration = Duration::from_millis(250);
 /// Frames that are judged, the shown one among them.
 const FRAMES: usize = 5;
 
-/// Decoded frames that take no more than this together are kept while the dialog is open.
+/// Decoded frames that take no more than this together are cached while the dialog is open.
 const CACHED_BYTES: usize = 256 << 20;
 
 /// Key of the current evaluation.
@@ -60,12 +60,12 @@ pub struct Estimates {
     /// Estimate of the previous settings.
     before: Option<Estimate>,
     cached: Vec<Arc<SampleFrame>>,
-    /// Bytes of the files that the frames are in, if anybody knows.
+    /// Bytes of the files of the frames, if known.
     source: Option<(usize, RangeInclusive<usize>, Option<u64>)>,
     pool: PoolBehindDrawing,
 }
 
-/// Bytes of the files that frames are in, if anybody knows.
+/// Bytes of the files of frames, if known.
 #[derive(Debug, Clone, Copy)]
 struct SourceBytes(Option<u64>);
 
@@ -76,14 +76,14 @@ impl Message for Box<Estimated> {}
 pub struct Estimated {
     question: Question,
     sample: Option<Arc<SampleFrame>>,
-    /// `None` once nobody waits for it.
+    /// `None` if cancelled.
     judged: Option<Result<SampleEstimate, String>>,
     /// `None` if it was known before.
     source: Option<SourceBytes>,
 }
 
 impl Estimates {
-    /// Returns the estimate for the present settings; else that of the previous ones, and then the second is true.
+    /// Returns the estimate for the present settings; else the previous one, and then the second value is true.
     pub fn estimate(&self) -> Option<(Estimate, bool)> {
         let present = Estimate::of(&self.judged).map(|estimate| (estimate, false));
         present.or_else(|| self.before.clone().map(|estimate| (estimate, true)))
@@ -99,7 +99,7 @@ impl Estimates {
         self.problem.as_deref()
     }
 
-    /// Bytes of the files that the frames are in, if anybody knows.
+    /// Bytes of the files of the frames, if known.
     pub fn source_bytes(&self) -> Option<u64> {
         self.source.as_ref()?.2
     }
@@ -178,7 +178,7 @@ impl Estimates {
         });
     }
 
-    /// Takes what became of a frame.
+    /// Takes the result of a frame.
     pub(in crate::app) fn take_in(&mut self, estimated: Estimated) {
         self.running = None;
         let Estimated {

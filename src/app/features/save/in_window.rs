@@ -67,7 +67,7 @@ impl State {
         self.features.save.output(&self.sequence_stem())
     }
 
-    /// Has the choices judged while they are made.
+    /// Estimates the choices while they are edited.
     pub(in crate::app) fn follow_save(&mut self) {
         if self.panels.has(PanelId::SAVE) {
             let of = self.savable();
@@ -98,7 +98,7 @@ impl State {
         let Some((mut conversion, sequence)) = self.features.save.conversion(&of).zip(of.sequence.clone()) else {
             return;
         };
-        // Only what the user was told about may be replaced.
+        // Only files that the user was warned about may be replaced.
         let told = self.features.save.place(&of);
         self.features.save.found = None;
         if self.features.save.place(&of) != told {
@@ -139,7 +139,7 @@ impl State {
         }
     }
 
-    /// Says what came of it.
+    /// Reports the result.
     pub(in crate::app) fn save_has_ended(&mut self, SaveEnded { conversion, result }: SaveEnded) {
         self.features.save.found = None;
         let (Output::File(path) | Output::Folder(path) | Output::Reel(path, _)) = &conversion.output;

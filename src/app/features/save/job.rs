@@ -1,4 +1,4 @@
-//! Writing, on threads of its own.
+//! Writing, on its own threads.
 
 use crate::app::work::outcome::Message;
 use crate::app::work::pool::PoolBehindDrawing;

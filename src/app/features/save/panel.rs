@@ -1,4 +1,4 @@
-//! As what the sequence is written, what that comes to, and where to.
+//! Format of the output, its estimate, and its location.
 
 use super::choices::{PrecisionKind, Save, SaveFormat};
 use super::plan::Savable;
@@ -144,7 +144,7 @@ fn precision(ui: &mut Ui, save: &mut Save, of: &Savable) {
     }
 }
 
-/// Shows the merging option for points, where that is a choice of its own, with its cost and savings.
+/// Shows the merging option for points, where that is a separate choice, with its cost and savings.
 fn merging(ui: &mut Ui, save: &mut Save, of: &Savable) {
     let mut merges = save.precision == PrecisionKind::SamplingDensity;
     if !merges && save.precision != PrecisionKind::PointSpacing {

@@ -26,7 +26,7 @@ pub(in crate::app) struct Savable {
     pub(in crate::app) is_playing: bool,
     /// Longest edge of its box, in the unit of the file.
     pub(in crate::app) extent: f64,
-    /// The unit, empty if no file says it.
+    /// The unit, empty if no file has it.
     pub(in crate::app) unit: &'static str,
     pub(in crate::app) has_colors: bool,
     pub(in crate::app) has_normals: bool,
@@ -66,7 +66,7 @@ impl Save {
         self.fit(of);
     }
 
-    /// Takes what the cloud tells: its kind, and a length for its extent, unless there is one.
+    /// Adopts defaults from the cloud: its kind, and a length for its extent, unless there is one.
     pub(in crate::app) fn fit(&mut self, of: &Savable) {
         self.samples_surface = of.samples_surface;
         if self.length == 0.0 && of.extent > 0.0 {
@@ -74,7 +74,7 @@ impl Save {
         }
     }
 
-    /// Takes what was chosen for another sequence: lengths and names are those of one.
+    /// Forgets choices for another sequence: lengths and names apply to only one.
     pub(in crate::app) fn forget_sequence(&mut self) {
         (self.length, self.name, self.found) = (0.0, None, None);
     }

@@ -1,10 +1,10 @@
-//! An estimate in words: a line of what, and how much.
+//! An estimate in words: a quantity and its value per line.
 
 use super::plan::Savable;
 use crate::app::widgets::numbers::{bytes, grouped, rounded_to};
 use crate::convert::{Estimate, EstimatedErrors};
 
-/// A line: what, how much, and what is meant by it.
+/// A line: quantity, value, and explanation.
 pub(super) type Line = (&'static str, String, &'static str);
 
 /// Returns the estimated size lines of files of `frames` frames, compared with a source of `source_bytes` bytes.

@@ -5,7 +5,7 @@ use crate::measure::Change;
 use crate::sequence::PreparedFrame;
 use glam::{DVec3, Vec3};
 
-/// One-way distances of the points of one frame from those of another, scene units.
+/// One-way distances of the points of one frame from another frame, scene units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OneWay {
     /// Mean distance to the nearest point.
@@ -36,8 +36,8 @@ impl FrameDistances {
     }
 }
 
-/// The distances of two frames, of which the origin of the second is `shift` away from that of the first; `None` if one
-/// has no points, or once nobody waits.
+/// The distances of two frames; the origin of the second is `shift` away from the first one's. `None` if one has no
+/// points, or if cancelled.
 pub(super) fn between(
     a: &PreparedFrame,
     b: &PreparedFrame,

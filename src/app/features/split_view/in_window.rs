@@ -32,7 +32,7 @@ impl State {
     fn compared(&self) -> Option<Compared> {
         let split_view = self.features.split_view.as_ref()?;
         let companion = &split_view.companion;
-        // Where there was nothing to choose, the user made no choice.
+        // Without alternatives, the user made no choice.
         let has_choice = companion.times().is_some() || companion.numbers().is_some();
         Some(Compared {
             inputs: inputs_of(companion.sequence())?,
@@ -124,7 +124,7 @@ impl State {
         }
     }
 
-    /// Takes notice that the first of two pictures is another one.
+    /// Records that the first of two images changed.
     pub(in crate::app) fn note_picture(&mut self) {
         if let Some(split_view) = &mut self.features.split_view {
             split_view.note_change(self.shared.now);
@@ -157,7 +157,7 @@ impl State {
         }
     }
 
-    /// Divides the memory between what is open.
+    /// Divides the memory between the open sequences.
     pub(in crate::app) fn share_budget(&self) {
         let whole = self.budget_bytes();
         let [a, b] = match self.features.split_view {
@@ -172,7 +172,7 @@ impl State {
         }
     }
 
-    /// Takes in what has changed about the other sequence. True if something can be seen.
+    /// Applies changes of the other sequence. True if they are visible.
     pub(in crate::app) fn follow_second(&mut self, change: PlayerChange) -> bool {
         let (Some(split_view), Some(player)) = (&mut self.features.split_view, &self.player) else {
             return false;
@@ -281,7 +281,7 @@ impl State {
 }
 
 impl SplitView {
-    /// Lays both out, and pairs their frames, as a document says.
+    /// Lays both out, and pairs their frames, as in a document.
     pub(in crate::app) fn arrange(&mut self, compared: &Compared) {
         self.companion.set_offset_frames(compared.offset_frames);
         if let Some(by) = compared.by {

@@ -1,8 +1,8 @@
 //! Second sequence for comparison next to the open one: the same camera, settings and clock, its own frames.
 //!
 //! How it works. A [`Companion`] provides the frames that belong to those of the player; here its image is laid out,
-//! drawn and compared. Both clouds stay where their files put them: each is drawn relative to the origin of its
-//! sequence, which is one for both wherever that loses nothing. Distances of the two clouds are measured on a thread,
+//! drawn and compared. Both clouds stay at the coordinates of their files: each is drawn relative to the origin of its
+//! sequence, which is a common one wherever that loses nothing. Distances of the two clouds are measured on a thread,
 //! when a user asks for them.
 
 mod distances;
@@ -45,7 +45,7 @@ pub struct SplitView {
     pub name: String,
     /// Layout of both images.
     pub layout: Layout,
-    /// Both pictures; compared where they are of the same view and size, one over the other.
+    /// Both images; compared where they have the same view and size, one over the other.
     pub pictures: PicturePair,
     pub(in crate::app) drawing: Drawing,
     distances: Option<FrameDistances>,
@@ -70,7 +70,7 @@ impl SplitView {
         }
     }
 
-    /// Moves both on: what has changed about the player's frames, and about those of B.
+    /// Advances both; returns changes of the player's frames, and of B's.
     pub(in crate::app) fn update(&mut self, player: &mut Player, now: Duration, style: &Style) -> [PlayerChange; 2] {
         let companion = &mut self.companion;
         let of_a = player.update_with_companion(now, style, |clock, is_playing| {
@@ -89,7 +89,7 @@ impl SplitView {
         [of_a, of_b]
     }
 
-    /// Takes notice that one of the pictures is another one. They are compared where they are one over the other.
+    /// Records that one of the images changed. They are compared where they are one over the other.
     pub(in crate::app) fn note_change(&mut self, now: Duration) {
         if self.layout == Layout::Wipe && self.companion.shown().is_some() {
             self.pictures.note_change(now);
@@ -146,7 +146,7 @@ impl SplitView {
         (gap > 0.0 && gap.is_finite()).then_some(gap)
     }
 
-    /// From places relative to the origin of A to the same relative to that of B.
+    /// Shift from positions relative to the origin of A to positions relative to B's.
     pub(in crate::app) fn shift_from(&self, player: &Player) -> DVec3 {
         self.companion.sequence().origin() - player.sequence().origin()
     }

@@ -1,4 +1,4 @@
-//! The bar of a second sequence: how it is laid out, which of its frames are shown, and how far it is from the first.
+//! The bar of a second sequence: its layout, its shown frames, and its distance from the first.
 
 use super::{FrameDistances, Layout, OneWay, SplitView};
 use crate::app::features::comparison::panel::{difference_ui, error_map_ui};

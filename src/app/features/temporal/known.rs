@@ -4,13 +4,13 @@ use crate::measure::Change;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// Bytes of distances that are kept.
+/// Max bytes of cached distances.
 const MAX_RETAINED_BYTES: usize = 256 << 20;
 
 /// The distances of one pose to another: the frames, and how many points of the first there are.
 pub(super) type ChangeKey = (usize, usize, usize);
 
-/// Those that are kept, oldest first.
+/// Cached distances, oldest first.
 #[derive(Debug, Default)]
 pub(super) struct Known(VecDeque<(ChangeKey, Arc<Change>)>);
 

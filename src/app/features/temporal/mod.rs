@@ -3,8 +3,8 @@
 //!
 //! How it works. Both are stages of composition ([`Lane::Poses`]) that build another frame from the one that the player
 //! shows, on a thread. Until it is available the frame is shown as it is, but for a short time the derived frame of the
-//! previous one stays, so that the image does not flicker while playing. What is under way for a frame that the
-//! playhead has left is cancelled. Distances are kept, as they take longest; colours follow from them.
+//! previous one stays, so that the image does not flicker while playing. Work for a frame that the playhead has left is
+//! cancelled. Distances are cached, as they take longest; colours follow from them.
 
 mod in_memory;
 mod in_window;
@@ -53,7 +53,7 @@ pub struct ComposedFrame {
 impl Message for Option<Box<ComposedFrame>> {}
 
 impl ComposedFrame {
-    /// Makes the frame; `None` once nobody waits for it.
+    /// Makes the frame; `None` if cancelled.
     fn of(request: Request, progress: &Progress) -> Option<Self> {
         let (composed, failure) = request.run(progress)?;
         let failure = failure.map(|reason| format!("There are too many ghosts: {reason}"));
@@ -71,7 +71,7 @@ impl ComposedFrame {
     }
 }
 
-/// A problem next to the choices that it is about; none where the panel says it by itself.
+/// A problem next to the choices that it is about; none where the panel shows it itself.
 fn in_panel(problem: &Problem) -> Option<String> {
     match problem {
         Problem::OtherUnread { reason, .. } => Some(reason.to_string()),
@@ -80,7 +80,7 @@ fn in_panel(problem: &Problem) -> Option<String> {
     }
 }
 
-/// Makes frames of what is chosen.
+/// Makes the chosen derived frames.
 #[derive(Debug)]
 pub struct Temporal {
     /// Colours by change.
@@ -90,7 +90,7 @@ pub struct Temporal {
     known: Known,
     running: Option<(Request, Progress)>,
     made: Option<ComposedFrame>,
-    /// Since when the pose of `made` is not that of the playhead.
+    /// Time since which the frame of `made` differs from the playhead's.
     left_at: Option<Duration>,
 }
 
@@ -154,7 +154,7 @@ impl Temporal {
         self.made.as_ref()?.problem.as_deref()
     }
 
-    /// Forgets all frames, as another sequence is opened; what is chosen stays.
+    /// Forgets all frames, as another sequence is opened; the choices stay.
     pub(in crate::app) fn forget_frames(&mut self) {
         self.cancel();
         *self = Self {
@@ -164,8 +164,7 @@ impl Temporal {
         };
     }
 
-    /// Starts what the shown pose lacks, and cancels what nobody waits for any more. True if another frame is to be
-    /// drawn.
+    /// Starts missing work for the shown frame, and cancels obsolete work. True if another frame is to be drawn.
     pub(in crate::app) fn follow<T: TaskOutcome + From<Option<Box<ComposedFrame>>>>(
         &mut self,
         player: &Player,
@@ -201,7 +200,7 @@ impl Temporal {
         tasks.start("poses", move || ComposedFrame::of(request, &progress).map(Box::new));
     }
 
-    /// Takes what a task has made, unless something else is wanted by now.
+    /// Takes the result of a task, unless the request has changed.
     pub(in crate::app) fn take_in(&mut self, made: ComposedFrame) {
         if let Some(Measured { change, to, .. }) = &made.composed.change {
             let pose = &made.request.pose;
@@ -213,7 +212,7 @@ impl Temporal {
         }
     }
 
-    /// When a picture that is held has to go.
+    /// Time at which a held image expires.
     pub(in crate::app) fn next_deadline(&self) -> Option<Duration> {
         self.left_at.map(|left| left + HOLD)
     }

@@ -71,8 +71,8 @@ pub(in crate::app) fn poses_ui(ui: &mut Ui, temporal: &mut Temporal) {
     });
 }
 
-/// The window while changes are shown, at `corner`: of the `shown` pose of a sequence of so many frames, in the colours
-/// of `colors`.
+/// The window while changes are shown, at `corner`: of the `shown` frame of a sequence with this many frames, in the
+/// colours of `colors`.
 pub(in crate::app) fn change_ui(
     ui: &mut Ui,
     temporal: &mut Temporal,

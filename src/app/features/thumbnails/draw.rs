@@ -1,4 +1,4 @@
-//! One picture of a frame, by the software renderer, from some of its points.
+//! One thumbnail of a frame, by the software renderer, from some of its points.
 
 use super::store::PICTURE_PX;
 use crate::cloud::{PointRecord, even_places};
@@ -19,7 +19,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Points that a picture is drawn from, at most: about one a pixel.
+/// Max points of a thumbnail: about one per pixel.
 const MAX_POINTS: usize = 1 << 14;
 
 /// Behind the points.
@@ -28,7 +28,7 @@ const BACKGROUND: Background = Background {
     bottom: [24, 27, 34],
 };
 
-/// From where pictures are made.
+/// Viewpoint of thumbnails.
 #[derive(Debug)]
 pub(super) enum Material {
     /// A frame in memory, in full or not.
@@ -50,7 +50,7 @@ pub(super) struct ThumbnailJob {
 /// Outcome of a thumbnail job.
 #[derive(Debug)]
 pub(super) enum Thumbnail {
-    /// The picture.
+    /// The thumbnail.
     Picture(ColorImage),
     /// The frame cannot be read or drawn.
     Broken,
@@ -94,7 +94,7 @@ impl ThumbnailJob {
         Some(Thumbnail::Picture(picture))
     }
 
-    /// As many points as a picture needs.
+    /// Reads the number of points that a thumbnail needs.
     fn read(&self, index: usize) -> Result<PreparedFrame, FrameError> {
         let loaded = self
             .sequence
@@ -161,7 +161,7 @@ mod tests {
     use bytemuck::Zeroable as _;
     use glam::Vec3;
 
-    /// Of a cube from zero to one, or of what cannot be read.
+    /// A job for a cube from zero to one, or an unreadable frame.
     fn job(index: usize) -> ThumbnailJob {
         let decode = |source: &FrameEntry| match source.number {
             Some(0) => {

@@ -1,4 +1,4 @@
-//! Small pictures of the frames, in the window.
+//! Thumbnails of the frames, in the window.
 
 use super::panel::thumbnails_ui;
 use super::{Delivery, Thumbnails};
@@ -69,7 +69,7 @@ fn thumbnails(ui: &mut Ui, state: &mut State) {
 }
 
 impl State {
-    /// Begins the next small picture if there is time for it.
+    /// Begins the next thumbnail if there is time for it.
     fn follow_thumbnails(&mut self) {
         // The first image of the window has priority.
         let look = self.opening.looked.look().filter(|_| self.has_looked());

@@ -1,10 +1,10 @@
 //! Thumbnails of frames, on a strip over the timeline and in its tooltips.
 //!
-//! **How it works.** One thumbnail at a time is rendered on a thread of its own, from points that are in memory where
-//! they are, else from the file. [`schedule`] determines the next frame and when there is time for it: while frames are
-//! played only what is in memory is drawn, at most ten thumbnails per second, and nothing while playing falls behind or
-//! a benchmark runs; files are read when nothing is played and no frame is being prepared. Thumbnails are kept in 16
-//! MiB ([`store`]).
+//! **How it works.** One thumbnail at a time is rendered on its own thread, from points in memory where available, else
+//! from the file. [`schedule`] determines the next frame and when there is time for it: while frames are played only
+//! frames in memory are drawn, at most ten thumbnails per second, and nothing while playing falls behind or a benchmark
+//! runs; files are read when nothing is played and no frame is being prepared. Thumbnails are cached in 16 MiB
+//! ([`store`]).
 //!
 //! All are rendered from one view, so that motion is visible: the first view of the sequence ([`FirstLook`]). It stays
 //! until the up axis or the source of the colours changes, or a user asks for new thumbnails.
@@ -32,16 +32,16 @@ use std::sync::Arc;
 use std::time::Duration;
 use store::Store;
 
-/// While playing there is at most one picture in this time.
+/// Min time between thumbnails while playing.
 const INTERVAL: Duration = Duration::from_millis(100);
 
-/// Frames shown at less than this share of the rate that was asked for are not in time.
+/// Frames shown at less than this share of the requested rate are not in time.
 const IN_TIME: f64 = 0.9;
 
-/// Up axis and colours: what all pictures have in common.
+/// Up axis and colours: common to all thumbnails.
 type ThumbnailKey = (UpAxis, Coloring, ColorHints);
 
-/// The pictures of the open sequence.
+/// The thumbnails of the open sequence.
 #[derive(Debug)]
 pub struct Thumbnails {
     /// Thumbnail generation and visibility.
@@ -50,13 +50,13 @@ pub struct Thumbnails {
     store: Store,
     key: Option<ThumbnailKey>,
     view: Option<Camera>,
-    /// Counts the sets of pictures, so that one of a set that has gone is known as such.
+    /// Generation of thumbnails, to recognise results of an old one.
     generation: u64,
     is_busy: bool,
-    /// When the last picture was begun.
+    /// Time at which the last thumbnail was begun.
     begun: Option<Duration>,
     pool: PoolBehindDrawing,
-    /// File in which the next thumbnail is kept.
+    /// File for the next thumbnail.
     keep_at: Option<PathBuf>,
 }
 
@@ -92,26 +92,26 @@ impl Thumbnails {
         }
     }
 
-    /// Number of frames of the strip that have their picture or mark, and of all frames of the strip.
+    /// Number of frames of the strip that have their thumbnail or mark, and of all frames of the strip.
     pub fn progress(&self) -> [usize; 2] {
         let strip = &self.wanted.strip;
         let made = strip.iter().filter(|&&frame| self.store.has(frame));
         [made.count(), strip.len()]
     }
 
-    /// Bytes of all pictures that are kept.
+    /// Bytes of all cached thumbnails.
     pub fn byte_size(&self) -> usize {
         self.store.bytes()
     }
 
-    /// Forgets all thumbnails, so that they are regenerated, from a view of what is known by now.
+    /// Forgets all thumbnails, so that they are regenerated, from an up-to-date view.
     pub fn redo(&mut self) {
         self.store = Store::default();
         self.view = None;
         self.generation += 1;
     }
 
-    /// The file of `frame` has changed: its picture or mark is that of another content.
+    /// The file of `frame` has changed: its thumbnail or mark is out of date.
     pub(in crate::app) fn forget_frame(&mut self, frame: usize) {
         self.store.forget(frame);
     }
@@ -123,7 +123,7 @@ impl Thumbnails {
         self.redo();
     }
 
-    /// Has the next picture of the open sequence written to a file, to tell it from others by.
+    /// Has the next thumbnail of the open sequence written to a file, for the list of recent inputs.
     pub(in crate::app) fn keep_next_at(&mut self, file: Option<PathBuf>) {
         self.keep_at = file;
     }
@@ -138,7 +138,7 @@ impl Thumbnails {
         self.wanted.strip = strip;
     }
 
-    /// Says which frame is under the pointer: its picture is made first.
+    /// Sets the frame under the pointer: its thumbnail is made first.
     pub(in crate::app) fn hover(&mut self, frame: Option<usize>) {
         self.wanted.hovered = frame;
     }
@@ -148,7 +148,7 @@ impl Thumbnails {
         self.store.look(ctx, frame)
     }
 
-    /// Begins the next picture, if one is missing and there is time for it.
+    /// Begins the next thumbnail, if one is missing and there is time for it.
     pub(in crate::app) fn follow<T: TaskOutcome + From<Box<Delivery>>>(
         &mut self,
         player: &Player,
@@ -250,7 +250,7 @@ impl Thumbnails {
         });
     }
 
-    /// Takes what the thread has made, unless it is of a set that has gone.
+    /// Takes the result of the thread, unless it is of an old generation.
     pub(in crate::app) fn take_in(&mut self, delivery: Delivery) {
         self.is_busy = false;
         if delivery.generation != self.generation {

@@ -9,7 +9,7 @@ pub(in crate::app) fn strip_frames(frame_count: usize, cells: usize) -> Vec<usiz
     (0..cells).map(center).collect()
 }
 
-/// Frames whose pictures can be seen.
+/// Frames with visible thumbnails.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct WantedFrames {
     /// Frames of the strip, in order.
@@ -24,8 +24,8 @@ impl WantedFrames {
         self.strip.iter().copied().chain(self.hovered).collect()
     }
 
-    /// The frame to make next: the one under the pointer, then those of the strip, the nearest to the playhead first
-    /// and of two as near the later one. Of those that are not made, the first that can be made now.
+    /// The frame to make next: the one under the pointer, then the strip's, the nearest to the playhead first, the
+    /// later one of two equally near. Of the missing ones, the first that can be made now.
     pub(super) fn next(
         &self,
         playhead: usize,
@@ -57,19 +57,19 @@ pub(super) struct Bustle {
     pub(super) is_loading: bool,
 }
 
-/// For what there is time.
+/// Work that there is time for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Leisure {
     /// For nothing.
     None,
-    /// To draw what is in memory.
+    /// Drawing frames in memory.
     Drawing,
     /// To read files as well.
     Reading,
 }
 
 impl Bustle {
-    /// Whoever plays or measures goes first, then whoever prepares frames.
+    /// Playing and measuring take precedence, then preparing frames.
     pub(super) fn leisure(self) -> Leisure {
         match self {
             Self { is_measured: true, .. }

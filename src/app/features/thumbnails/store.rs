@@ -1,16 +1,16 @@
-//! The pictures that are kept, within a budget.
+//! Thumbnail cache, within a budget.
 
 use egui::{ColorImage, Context, TextureHandle, TextureId, TextureOptions};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 
-/// Bytes of all pictures; as textures those that were shown take as much again.
+/// Bytes of all thumbnails; the textures of shown ones take the same amount again.
 pub(super) const BUDGET_BYTES: usize = 16 << 20;
 
-/// Size of a picture in pixels; the strip shows it smaller.
+/// Size of a thumbnail in pixels; the strip shows it smaller.
 pub(in crate::app) const PICTURE_PX: [u32; 2] = [160, 120];
 
-/// Bytes of a picture.
+/// Bytes of a thumbnail.
 pub(super) const PICTURE_BYTES: usize = 4 * PICTURE_PX[0] as usize * PICTURE_PX[1] as usize;
 
 /// Maximum number of cells of a strip that fit into the budget, with some thumbnails under the pointer in addition.
@@ -30,15 +30,15 @@ pub(in crate::app) enum ThumbnailState {
     Unknown,
     /// It cannot be read.
     Broken,
-    /// By this picture.
+    /// By this thumbnail.
     Picture(TextureId),
 }
 
-/// Pictures by frame.
+/// Thumbnails by frame.
 #[derive(Default)]
 pub(super) struct Store {
     entries: BTreeMap<usize, StoredThumbnail>,
-    /// Frames with pictures, the one that was made first at the front.
+    /// Frames with thumbnails, the oldest at the front.
     order: VecDeque<usize>,
 }
 
@@ -53,7 +53,7 @@ impl std::fmt::Debug for Store {
 }
 
 impl Store {
-    /// Bytes of all pictures.
+    /// Bytes of all thumbnails.
     pub(super) fn bytes(&self) -> usize {
         PICTURE_BYTES * self.order.len()
     }
@@ -68,7 +68,7 @@ impl Store {
         self.entries.entry(frame).or_insert(StoredThumbnail::Broken);
     }
 
-    /// Keeps the picture of `frame`. Where there is no room, the oldest that is not among `wanted` goes, else the
+    /// Stores the thumbnail of `frame`. Where space is lacking, evicts the oldest that is not among `wanted`, else the
     /// oldest.
     pub(super) fn insert(&mut self, frame: usize, image: ColorImage, wanted: &BTreeSet<usize>) {
         self.order.retain(|&other| other != frame);

@@ -57,11 +57,11 @@ impl Quantity {
     }
 }
 
-/// The values of one quantity and what is painted of them.
+/// The values of one quantity and their painted columns.
 #[derive(Debug, Default)]
 pub(in crate::app) struct Curve {
     key: Option<(Quantity, u64)>,
-    /// The frames of which there are columns.
+    /// The frames that have columns.
     frames: Range<usize>,
     values: Vec<Option<f32>>,
     columns: Vec<Option<(f32, f32)>>,
@@ -69,7 +69,7 @@ pub(in crate::app) struct Curve {
 }
 
 impl Curve {
-    /// Takes what `loader` knows by now, for a picture of `frames` in `width` columns.
+    /// Updates from `loader`, for a plot of `frames` in `width` columns.
     pub(in crate::app) fn refresh(&mut self, loader: &Loader, quantity: Quantity, frames: &Range<usize>, width: usize) {
         let key = Some((quantity, loader.facts_revision()));
         let is_new = self.key != key;

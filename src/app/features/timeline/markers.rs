@@ -2,7 +2,7 @@
 
 use crate::document::Marker;
 
-/// More than anybody sets by hand.
+/// More than users set by hand.
 const MAX_MARKERS: usize = 1000;
 
 /// Longest name, characters.
@@ -15,8 +15,8 @@ pub struct Markers {
 }
 
 impl Markers {
-    /// As they were kept. Names are cut after 200 characters; of several at a frame the first stays, and the others are
-    /// noted in `unread`. All stay, however many there are: nobody's markers are thrown away.
+    /// Restores stored markers. Names are cut after 200 characters; of several at a frame the first stays, and the
+    /// others are noted in `unread`. There is no limit on their number: no user's markers are dropped.
     pub(super) fn of(mut list: Vec<Marker>, unread: &mut Vec<String>) -> Self {
         list.sort_by_key(|marker| marker.frame);
         list.dedup_by(|later, marker| {
@@ -41,7 +41,7 @@ impl Markers {
         self.list.binary_search_by_key(&frame, |marker| marker.frame)
     }
 
-    /// Puts a marker at `frame`, or takes away the one that is there. Nothing is put beyond the thousandth.
+    /// Adds a marker at `frame`, or removes the existing one. None is added beyond the thousandth.
     pub fn toggle(&mut self, frame: usize) {
         match self.place(frame) {
             Ok(place) => {
@@ -83,7 +83,7 @@ impl Markers {
     }
 }
 
-/// `text` as it is kept.
+/// `text` as a stored name.
 fn as_name(text: &str) -> String {
     text.trim().chars().take(MAX_NAME_CHARS).collect()
 }
@@ -140,7 +140,7 @@ mod tests {
     }
 
     proptest! {
-        /// Held against looking at every frame in turn.
+        /// Compared with a scan over all frames.
         #[test]
         fn jumps_go_to_the_nearest_marker_and_wrap_around(
             marked in prop::collection::btree_set(0usize..20, 0..8), frame in 0usize..16, count in 1usize..16,

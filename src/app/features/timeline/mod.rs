@@ -29,11 +29,11 @@ pub struct Timeline {
     pub(in crate::app) curve: Curve,
     /// The frames that are shown.
     pub(in crate::app) visible: VisibleFrames,
-    /// Numbers that are missing between the frames, of so many of which that was found.
+    /// Missing numbers between the frames, with the number of frames they were computed for.
     gaps: (usize, Vec<NumberGap>),
     /// Rectangle of the bar in the window, points.
     pub(in crate::app) bar_rect: egui::Rect,
-    /// The playhead is in the hand, and playing goes on when it is let go.
+    /// The playhead is being dragged, and playing continues when it is released.
     resumes: bool,
 }
 
@@ -106,14 +106,14 @@ impl Timeline {
         }
     }
 
-    /// Lets the playhead go: what played before plays on.
+    /// Releases the playhead: playback continues if it was playing.
     pub(in crate::app) fn let_playhead_go(&mut self, player: &mut Player, now: Duration) {
         if std::mem::take(&mut self.resumes) && !player.is_playing() {
             player.toggle(now);
         }
     }
 
-    /// Another sequence is opened: there is nothing in the hand.
+    /// Drops the grabbed playhead, as another sequence is opened.
     pub(in crate::app) fn forget_playhead(&mut self) {
         self.resumes = false;
     }

@@ -11,7 +11,7 @@ pub(in crate::app) struct VisibleFrames {
     zoomed: Option<Zoomed>,
 }
 
-/// In frames, which are fractions while a wheel turns.
+/// In frames, with fractions while zooming by wheel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Zoomed {
     first: f64,
@@ -34,7 +34,7 @@ impl VisibleFrames {
         self.zoomed.is_some()
     }
 
-    /// Shows `factor` times as many frames, around what is at a share of the width.
+    /// Shows `factor` times as many frames, around the position at `share` of the width.
     pub(in crate::app) fn zoom(&mut self, factor: f64, share: f64, count: usize) {
         let Zoomed { first, shown } = self.present(count);
         let all = count as f64;
@@ -43,13 +43,13 @@ impl VisibleFrames {
         self.set(first, wanted, count);
     }
 
-    /// Moves by a share of what is shown.
+    /// Moves by a share of the visible range.
     pub(in crate::app) fn pan(&mut self, share: f64, count: usize) {
         let Zoomed { first, shown } = self.present(count);
         self.set(first + share * shown, shown, count);
     }
 
-    /// Turns to the page that has `frame`.
+    /// Goes to the page that has `frame`.
     pub(in crate::app) fn turn_to(&mut self, frame: usize, count: usize) {
         if self.is_zoomed() && !self.of(count).contains(&frame) {
             let Zoomed { shown, .. } = self.present(count);
@@ -96,7 +96,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever is turned, frames within the sequence are shown, and what is at the pointer stays there.
+        /// For any wheel events, frames within the sequence are shown, and the frame at the pointer stays there.
         #[test]
         fn zooming_keeps_the_frame_at_the_pointer(
             turns in prop::collection::vec((0.5f64..2.0, 0f64..1.0), 1..20), count in 1usize..500,

@@ -1,6 +1,6 @@
-//! Trails: the ways that picked points, or points spread over the frame, take through time.
+//! Trails: trajectories of picked points, or of points spread over the frame.
 //!
-//! How it works. All of them are found together by one task, which looks at every frame from in to out point
+//! How it works. All of them are found together by one task, which visits every frame from in to out point
 //! ([`crate::composition::Trails`]) and can be cancelled between two. Another task begins only when the one before has
 //! ended, so that no more than one frame is being read for it.
 
@@ -28,7 +28,7 @@ pub struct TrailField {
     pub is_on: bool,
     /// Number of points.
     pub points: usize,
-    /// Over so many frames before the shown one.
+    /// Number of frames before the shown one.
     pub length: usize,
 }
 
@@ -43,11 +43,11 @@ impl TrailField {
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Wish {
     request: TrailRequest,
-    /// So many of the first points are those that were picked.
+    /// The number of picked points, which come first.
     picked: usize,
 }
 
-/// A task on its way.
+/// A running task.
 #[derive(Debug)]
 struct Running {
     wish: Wish,
@@ -104,7 +104,7 @@ impl Trails {
         self.is_on || self.field.is_on || !self.pinned.is_empty()
     }
 
-    /// Frames that were looked at, of how many, while trails are being found.
+    /// Numbers of visited frames and of all, while trails are being found.
     pub fn progress(&self) -> Option<(usize, usize)> {
         let running = self.running.as_ref()?;
         let progress = &running.progress;
@@ -119,7 +119,7 @@ impl Trails {
         trails.measure(trail, time_s)
     }
 
-    /// The trails of picked points, and those of others.
+    /// The trails of picked points, and of others.
     pub(in crate::app) fn parts(&self) -> [Range<usize>; 2] {
         let Some((wish, trails)) = &self.found else {
             return [0..0, 0..0];
@@ -154,7 +154,7 @@ impl Trails {
         }
     }
 
-    /// Ends what is being found: no trails are shown.
+    /// Cancels the running task: no trails are shown.
     pub fn cancel(&mut self) {
         self.is_on = false;
         self.field.is_on = false;
@@ -167,7 +167,7 @@ impl Trails {
         }
     }
 
-    /// The trails that are asked for, as a document has them.
+    /// The requested trails, as in a document.
     pub(in crate::app) fn shown(&self) -> ShownTrails {
         ShownTrails {
             of_picked: self.is_on,
@@ -203,7 +203,7 @@ impl Trails {
         self.found = None;
     }
 
-    /// Starts to find what is asked for and not known. True if other trails are to be drawn.
+    /// Starts a task for requested trails that are not known. True if other trails are to be drawn.
     pub(in crate::app) fn follow<T: TaskOutcome + From<Traced>>(
         &mut self,
         player: &Player,
@@ -286,7 +286,7 @@ impl Trails {
         });
     }
 
-    /// Takes what a task has found, unless something else is wanted by now.
+    /// Takes the result of a task, unless the request has changed.
     pub(in crate::app) fn take_in(&mut self, traced: Traced) {
         let Some(running) = self.running.take() else {
             return;
@@ -316,7 +316,7 @@ fn spread(points_in_file: usize, count: usize) -> impl Iterator<Item = u32> {
     })
 }
 
-/// Frames that are in memory with all their points. They are not kept from being dropped.
+/// Frames that are in memory with all their points. They may still be evicted.
 fn resident(player: &Player, request: &TrailRequest) -> BTreeMap<usize, Weak<PreparedFrame>> {
     let frames = request.frames.clone().chain([request.chosen_in]);
     let frame = |index| match player.loader().get(index, &Needs::default()) {

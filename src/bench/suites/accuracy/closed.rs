@@ -1,5 +1,4 @@
-//! Voxels compared with surfels: whether they close what surfels close, what they add to it, and how alike the images
-//! are.
+//! Voxels compared with surfels: the surface that both close, the excess of voxels, and the similarity of images.
 //!
 //! How it works: each frame is drawn from around it as surfels, from both sides, and as voxels: with the paper's δ,
 //! whose cells are smaller than the spacing of the points, and with leaves as large as the spacing, lit by their faces
@@ -31,7 +30,7 @@ fn variants() -> [(&'static str, Style); 3] {
 #[derive(Default)]
 pub(super) struct ClosedSamples([WaySamples; 3]);
 
-/// One number for each picture.
+/// One number for each image.
 #[derive(Default)]
 struct WaySamples {
     drawn: Vec<f64>,

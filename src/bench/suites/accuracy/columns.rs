@@ -1,4 +1,4 @@
-//! Four tables in one report: a column that a table has no use for is missing in its rows.
+//! Four tables in one report: columns that a table does not use are missing in its rows.
 
 use crate::bench::report::{Cell, Column, Row};
 
@@ -8,7 +8,7 @@ pub(super) const LEAVES: &str = "leaves";
 pub(super) const LOD: &str = "lod";
 pub(super) const CLOSED: &str = "closed";
 
-/// Columns of all tables; the first says which one a row belongs to.
+/// Columns of all tables; the first names the table of a row.
 pub(super) const COLUMNS: &[Column] = &[
     Column::text(Column::TABLE, "table"),
     // Normals.

@@ -103,7 +103,7 @@ fn leaf_distances(positions: &[Vec3], tree: &Octree) -> Vec<f64> {
         // The upper faces of the cube belong to the last cells.
         cell.to_array().map(|index| index.floor().min(cells_along - 1.0) as u32)
     };
-    // A middle is half an edge away from the next cell, whatever the rounding.
+    // A cell centre is half an edge away from the next cell, whatever the rounding.
     let centers: HashMap<[u32; 3], DVec3> = tree
         .level_voxels(tree.depth())
         .iter()
@@ -138,7 +138,7 @@ mod tests {
         for (found, expected) in distances.iter().zip([corner, corner, corner, 0.25, corner]) {
             assert!((found - expected).abs() < 1e-6, "{distances:?}");
         }
-        // A point that the tree does not have.
+        // A point that the tree does not contain.
         let elsewhere = leaf_distances(&[Vec3::new(0.5, 0.5, 1.5)], &tree);
         assert_eq!(elsewhere, [0.0f64; 0]);
         let mut samples = DeltaSamples::default();

@@ -1,13 +1,13 @@
-//! Levels of detail by projected size: what a LOD threshold τ saves, and what it does to the image.
+//! Levels of detail by projected size: the savings of a LOD threshold τ, and its effect on the image.
 //!
 //! How it works: each frame is drawn as voxels from around it, as a whole and from farther away, once with all its
-//! leaves (τ = 0, the ground truth) and once for each τ. PSNR is that of the mean squared error over all images. Most
-//! of an image is background, which is always right, so FLIP is given over the image and over the pixels of the object:
-//! those that show it in either image.
+//! leaves (τ = 0, the ground truth) and once for each τ. PSNR is computed from the mean squared error over all images.
+//! Most of an image is background, which is always right, so FLIP is given over the image and over the pixels that show
+//! the object in either image.
 //!
-//! All leaves are the ground truth about what the threshold omits, not about the surface: at a small δ nearly every
-//! point has a leaf of its own, smaller than its share of the surface, and coarser cells close the gaps. So each image
-//! is also compared with that of surfels, which close the surface; part of that error is that cubes are shaded as
+//! All leaves are the ground truth for the omissions of the threshold, not for the surface: at a small δ nearly every
+//! point has its own leaf, smaller than its share of the surface, and coarser cells close the gaps. So each image is
+//! also compared with an image of surfels, which close the surface; part of that error is that cubes are shaded as
 //! cubes.
 
 use super::columns::{LOD, row};
@@ -32,7 +32,7 @@ pub(super) const DISTANCES: [f64; 2] = [1.0, 4.0];
 #[derive(Default)]
 pub(super) struct LodSamples([ThresholdSamples; LOD_PX.len()]);
 
-/// One number for each picture, or for each traversal.
+/// One number for each image, or for each traversal.
 #[derive(Default)]
 struct ThresholdSamples {
     traversals: Traversals,

@@ -5,7 +5,7 @@
 //! | [`normals`] | shapes with known normals, noise and outliers | angle, by number of neighbours and fitting method |
 //! | [`leaves`] | the points of each sequence | distance of a point to the centre of its leaf, by δ |
 //! | [`lod`] | images of all leaves, τ = 0, and of surfels | PSNR and FLIP, by LOD threshold τ |
-//! | [`closed`] | images of surfels | what voxels cover of them, what outside them, and FLIP, by δ and light |
+//! | [`closed`] | images of surfels | coverage by voxels inside and outside of them, and FLIP, by δ and light |
 
 mod closed;
 mod columns;

@@ -1,8 +1,8 @@
 //! Normals on known shapes: angle to the truth and time by noise, outliers and number of neighbours, of least squares
-//! and of robust fits; and what the automatic choice finds.
+//! and of robust fits; and the result of the automatic choice.
 //!
-//! Signs are not compared: they come later, from the neighbourhood graph or the sensor. The time is that of the whole
-//! estimate (tree, neighbours, planes) on all threads that the program has.
+//! Signs are not compared: they come later, from the neighbourhood graph or the sensor. The time covers the whole
+//! estimate (tree, neighbours, planes) on all threads of the program.
 
 use super::columns::{NORMALS, row};
 use crate::analysis::{PlaneFit, SurfaceOptions, estimate_planes_with};
@@ -84,7 +84,7 @@ pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
     Ok(())
 }
 
-/// Columns of what [`measure_fit`] measures.
+/// Columns of [`measure_fit`].
 fn keys(fit: PlaneFit) -> [&'static str; 6] {
     match fit {
         PlaneFit::Plain => [

@@ -1,11 +1,10 @@
-//! Pictures of one view, cut down to the part that shows the object.
+//! Images of one view, cut down to the part that shows the object.
 //!
-//! How it works: everything is drawn on two backgrounds, and a pixel shows the object unless it shows both of them.
-//! What is compared is the smallest rectangle around the object in all pictures of a view, with a margin that no filter
+//! How it works: everything is drawn on two backgrounds, and a pixel shows the object unless it shows both of them. The
+//! compared part is the smallest rectangle around the object in all images of a view, with a margin that no filter
 //! reaches across: beyond it all are equal.
 //!
-//! When it wins: an object that stands upright fills a tenth of a picture that holds it, and comparing takes longer
-//! than drawing.
+//! When it wins: an upright object fills a tenth of its image, and comparing takes longer than drawing.
 
 use crate::bench::BenchError;
 use crate::bench::run::Run;
@@ -17,7 +16,7 @@ use crate::sequence::PreparedFrame;
 use image::RgbaImage;
 use std::ops::Range;
 
-/// Pictures are compared on the first, a grey of medium lightness; the second tells the object from it.
+/// Images are compared on the first, a grey of medium lightness; the second distinguishes the object from it.
 const BACKGROUNDS: [[u8; 3]; 2] = [[119; 3], [255; 3]];
 
 /// One view of a frame by some settings.
@@ -45,7 +44,7 @@ pub(super) struct PictureError {
     pub(super) squared: f64,
     /// FLIP over all pixels.
     pub(super) flip_mean: f64,
-    /// FLIP over those that show the object in the picture or in the truth.
+    /// FLIP over the pixels that show the object in the image or in the truth.
     pub(super) flip_object_mean: f64,
     /// FLIP of the worst.
     pub(super) flip_max: f64,
@@ -135,8 +134,8 @@ impl ObjectPart {
         covered as f64 / self.whole_count.max(1) as f64
     }
 
-    /// Returns two fractions of the number of pixels that show the object in `other`, which is of the same view: those
-    /// of these pixels that show it here as well, and the pixels that show it here alone.
+    /// Returns two fractions of the number of pixels that show the object in `other`, which is of the same view: the
+    /// ones that show it here as well, and the pixels that show it only here.
     pub(super) fn shares_of(&self, other: &Self) -> [f64; 2] {
         let count = |is_counted: fn(bool, bool) -> bool| {
             let pixels = self.shows_object.iter().zip(&other.shows_object);
@@ -146,7 +145,7 @@ impl ObjectPart {
         [count(|here, there| here && there), count(|here, there| here && !there)].map(|pixels| pixels / there)
     }
 
-    /// The errors of this picture where `truth`, of the same view, is right.
+    /// The errors of this image compared with `truth`, of the same view.
     pub(super) fn compare(&self, truth: &Self) -> Result<PictureError, BenchError> {
         let map = truth.perceived.flip(&self.perceived)?;
         let is_object = |pixel: usize| truth.shows_object[pixel] || self.shows_object[pixel];
@@ -204,7 +203,7 @@ mod tests {
             ]
         });
         for (part, whole) in of_part.into_iter().zip(of_whole) {
-            // Filtered in the same way, but summed in a different order.
+            // Filtered identically, but summed in a different order.
             assert!((part - whole).abs() <= 1e-9 * whole, "{part} for {whole}");
         }
         assert_eq!(of_part[0], 23.0 * 18.0 / 9600.0);

@@ -1,16 +1,17 @@
-//! The error lab: how fast *and how wrong* each render mode is.
+//! The error lab: the time *and the error* of each render mode.
 //!
 //! How it works: each frame is seen from viewpoints around it. The ground truth of a view has 8×8 samples per pixel
-//! (`render/truth`). It is of the shape that the points were sampled from, of the triangles of the file, of its
+//! (`render/truth`). It shows the shape that the points were sampled from, of the triangles of the file, of its
 //! ellipses, or of the disks of all points (`truths.rs`). Each mode draws the same views; its time is from the camera
-//! to the finished image, traversal and uploads of what it chose included, as a user who turns the object waits for
-//! them. Its errors are means over all images. For each sequence the modes that no other beats in both form its front.
+//! to the finished image, including traversal and uploads of the chosen records, as a user who orbits the object waits
+//! for them. Its errors are means over all images. For each sequence the modes that no other beats in both form its
+//! front.
 //!
 //! The camera then turns by half a degree, and the change to that image is compared with the change of the truth: the
-//! temporal error, with a front of its own. The suite `temporal` has more kinds of change.
+//! temporal error, with its own front. The suite `temporal` has more kinds of change.
 //!
-//! Like is compared with like: a mode is held against the truth in its light, points are lit by their normals as all
-//! else is, and a front is of modes in one light.
+//! A mode is compared with the truth under its own light, points are lit by their normals like everything else, and a
+//! front has modes of one light.
 //!
 //! Depths, which distinguish surfaces, are drawn by the software renderer for the adapter's modes too: both draw the
 //! same surfaces, which `tests/pictures/cpu_renderer.rs` checks.
@@ -140,7 +141,7 @@ const TURN_DEG: f64 = 0.5;
 /// Renderers: always the CPU, and an adapter if there is one.
 struct Runners {
     processor: Runner,
-    /// Draws depths, so that the processor's clocks are not disturbed.
+    /// Draws depths, so that the CPU renderer's clocks are not disturbed.
     depths: CpuRenderer,
     cache: TruthCache,
 }
@@ -257,7 +258,7 @@ pub(super) fn with_triangles(
 }
 
 /// The part of a frame that is drawn, prepared as if the others had never been scanned; the frame itself unless a part
-/// was asked for.
+/// was requested.
 fn subsampled(run: &mut Run<'_>, subject: &Subject<'_>, whole: &PreparedFrame) -> Result<PreparedFrame, BenchError> {
     let Some(share) = run.options.subsample else {
         return Ok(whole.clone());
@@ -323,8 +324,8 @@ pub(super) fn turned(camera: Camera, images: u32) -> Camera {
     }
 }
 
-/// The back faces that surfels have: as their truth. Disks and shapes are culled there. A mesh has two sides, and what
-/// is seen from inside of a surface that is not closed is drawn; not darker, as the truth is not.
+/// Back-face setting of surfels: as in their truth. Disks and shapes are culled there. A mesh has two sides, and the
+/// inside of an open surface is drawn; not darker, as in the truth.
 fn back_faces(subject: &Subject<'_>, frame: &PreparedFrame, kind: TruthKind) -> BackFaces {
     let is_closed = || FirstLook::of(&[&frame.frame], subject.sequence.origin()).is_closed;
     if kind == TruthKind::Mesh && !is_closed() {
@@ -365,7 +366,7 @@ fn measure_way(
         let uploaded_bytes = runner.stats().uploaded_bytes - uploaded_before;
         let on_white = runner.image(&on_white(&drawn_packet))?;
         let depth = depths(&mut runners.depths, &drawn_packet)?;
-        // What the scene remembers of the image before, it remembers in a window as well.
+        // The scene remembers the same state of the previous image in a window.
         let next_packet = packet(&mut scene, &view.next_camera);
         let drawn = DrawnWay {
             image,
@@ -401,7 +402,7 @@ fn on_white(drawn: &ScenePacket) -> ScenePacket {
     packet
 }
 
-/// Returns true if depths can be drawn of what a mode shows: not for splats without depth, nor for byte codes.
+/// Returns true if depths can be drawn for a mode: not for splats without depth, nor for byte codes.
 fn shows_known_surface<C: Copy>(way: &Style<C>) -> bool {
     way.leaves_depths() && !way.draws_codes()
 }

@@ -1,4 +1,4 @@
-//! Ground truth of a frame: its kind, and its picture from a viewpoint.
+//! Ground truth of a frame: its kind, and its image from a viewpoint.
 
 use super::variants::BACKGROUND;
 use crate::bench::truth_cache::TruthCache;
@@ -20,13 +20,13 @@ pub(in crate::bench::suites) enum TruthKind {
     Mesh,
     /// The ellipses of the file: Gaussian splats.
     FileEllipses,
-    /// Disks of all points, of which a part is drawn.
+    /// Disks of all points, where only a part is drawn.
     DenseTwin,
-    /// Disks of the points that are drawn: the last resort, as they have what the points lack.
+    /// Disks of the drawn points: the last resort, as they share the deficiencies of the points.
     OwnDisks,
 }
 
-/// Light on a ground truth: that of the modes which are compared with it.
+/// Light on a ground truth: the light of the modes compared with it.
 #[derive(Debug, Clone)]
 pub(in crate::bench::suites) struct TruthLight {
     /// Evaluated at each pixel.
@@ -75,8 +75,8 @@ impl TruthKind {
 }
 
 impl FrameTruth {
-    /// The best truth that is known of `whole`, of which `drawn` is drawn: all of it or a part. Estimated ellipses are
-    /// not a truth: they follow from the points.
+    /// The best known truth of `whole`; `drawn` is all of it or a part. Estimated ellipses are not a truth: they follow
+    /// from the points.
     pub(in crate::bench::suites) fn new(shape: Option<Shape>, whole: &PreparedFrame, drawn: &PreparedFrame) -> Self {
         let kind = if shape.is_some() {
             TruthKind::Formula

@@ -1,4 +1,4 @@
-//! Compared render modes: the default, and what it becomes when one choice after the other changes.
+//! Compared render modes: the default, and its variants with one choice changed at a time.
 
 use crate::bench::BenchError;
 use crate::bench::run::Run;
@@ -10,7 +10,7 @@ use crate::scene::{
     PointSizing, Primitive, RendererChoice, Settings, SplatFilter, SplatGeometry, Splatting, Strategy, VoxelLight,
 };
 
-/// Behind the object: a grey of medium lightness, so that it is no colour of most objects.
+/// Behind the object: a grey of medium lightness, so that most objects do not have that colour.
 pub(in crate::bench::suites) const BACKGROUND: [u8; 3] = [119; 3];
 
 /// Resolution scales to draw at, as fractions of an image's edges, in addition to full resolution.
@@ -28,7 +28,7 @@ const SPLAT_SCALES: [f32; 4] = [0.7, 1.2, 1.4, 2.0];
 /// Factors on them in the second pass alone, in addition to 2.
 const ENLARGEMENTS: [f32; 2] = [1.2, 1.5];
 
-/// Selects those of `all` that the options of a run ask for.
+/// Selects the modes of `all` that the options of a run request.
 ///
 /// # Errors
 /// If there are none.
@@ -54,7 +54,7 @@ pub(in crate::bench::suites) fn base() -> Settings {
     })
 }
 
-/// All ways, first those of the processor, then those of the adapter if there is one.
+/// All modes, first the CPU's, then the adapter's if there is one.
 pub(super) fn variants(has_adapter: bool) -> Vec<Settings> {
     let base = base();
     let mut variants = of_renderer(&base);
@@ -177,7 +177,7 @@ fn of_structures(base: &Settings, voxel: &Settings) -> Vec<Settings> {
     variants
 }
 
-/// From the octree's byte code; the GPU draws exact disks whatever it says.
+/// From the octree's byte code; the GPU always draws exact disks.
 fn of_codes(base: &Settings) -> Vec<Settings> {
     let whole = base.with(|style| style.levels.lod = Lod::ThresholdPx(0.0));
     let mut variants: Vec<Settings> = [Footprint::Masks, Footprint::Pixels]
@@ -187,7 +187,7 @@ fn of_codes(base: &Settings) -> Vec<Settings> {
     variants
 }
 
-/// A way in a few words: what it draws, how finely, and who draws it, as the descriptions of settings tell it.
+/// A mode in a few words: primitive, detail and renderer, as in the descriptions of settings.
 pub(in crate::bench::suites) fn label(way: &Settings) -> String {
     let (drawn, usual) = (way.decided(), Settings::default().settings());
     let mut told: Vec<(Place, String)> = way
@@ -250,7 +250,7 @@ mod tests {
                 .iter()
                 .all(|way| way.drawing.renderer == RendererChoice::Cpu)
         );
-        // Three footprints of byte codes are the processor's; twelve strategies and a geometry the adapter's.
+        // Three footprints of byte codes are the CPU's; twelve strategies and a geometry the adapter's.
         assert_eq!(variants.len(), 2 * of_processor.len() - 3 + 13);
         let first = label(&of_processor[0]);
         assert_eq!(first, "point 1 px lit by normals CPU");

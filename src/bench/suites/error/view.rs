@@ -1,4 +1,4 @@
-//! One view of a frame: its truth, and how far pictures are from it.
+//! One view of a frame: its truth, and the error of images.
 
 use super::variants::BACKGROUND;
 use crate::bench::BenchError;
@@ -11,7 +11,7 @@ use crate::render::truth::Truth;
 use crate::scene::{Camera, Lighting};
 use image::RgbaImage;
 
-/// A view and what it should look like.
+/// A view and its expected image.
 pub(super) struct View {
     pub(super) camera: Camera,
     /// The camera of the next image, which has turned a little.
@@ -25,7 +25,7 @@ pub(super) struct LitTruth {
     /// Evaluated at each pixel.
     lighting: Lighting,
     truth: Truth,
-    /// Of the next image.
+    /// Truth of the next image.
     next: RgbaImage,
     perceived: Perceived,
 }
@@ -33,14 +33,14 @@ pub(super) struct LitTruth {
 /// Error of an image against the ground truth.
 pub(super) struct PictureError {
     pub(super) map: ErrorMap,
-    /// FLIP over the pixels that show the object in the truth or in the picture.
+    /// FLIP over the pixels that show the object in the truth or in the image.
     pub(super) flip_object: f64,
     /// Mean squared error of the channels.
     pub(super) squared: f64,
     pub(super) ssim: f64,
     /// Holes are counted from colours, wrong surfaces from depths.
     pub(super) surface: SurfaceError,
-    /// Of the change to the next image.
+    /// Error of the change to the next image.
     pub(super) temporal: TemporalError,
 }
 
@@ -110,7 +110,7 @@ impl LitTruth {
         Ok((error, image))
     }
 
-    /// The depths that count: none where the background shows, that of the truth where no depth is known.
+    /// The depths that count: none where the background shows, the truth's where no depth is known.
     fn shown_depth(&self, shows_object: &[bool], depth: Option<&DepthImage>) -> DepthImage {
         let shown = |pixel: usize| {
             let known = depth.map(|depth| depth.depth[pixel]).filter(|depth| depth.is_finite());
@@ -151,7 +151,7 @@ pub(in crate::bench::suites) fn of_change(
     Ok(TemporalError::of(truth, Consecutive { before, after }, is_object)?)
 }
 
-/// Returns the object's coverage of a pixel, computed from what shows of the two backgrounds.
+/// Returns the object's coverage of a pixel, computed from its colours on the two backgrounds.
 fn opacity(on_grey: [u8; 4], on_white: [u8; 4]) -> f32 {
     let through: i32 = (0..3)
         .map(|channel| i32::from(on_white[channel]) - i32::from(on_grey[channel]))
@@ -160,7 +160,7 @@ fn opacity(on_grey: [u8; 4], on_white: [u8; 4]) -> f32 {
     1.0 - through as f32 / max as f32
 }
 
-/// Each pixel of a larger picture has the depth of the pixel that it is drawn by.
+/// Upscaled depths: each pixel has the depth of its source pixel.
 fn enlarged(depth: &DepthImage, size_px: [u32; 2]) -> DepthImage {
     if depth.size_px == size_px {
         return depth.clone();

@@ -22,7 +22,7 @@ use std::sync::Arc;
 /// compared, and white.
 const BACKGROUNDS: [[u8; 3]; 2] = [[119; 3], [255; 3]];
 
-/// The original, and where it is looked at from.
+/// The original, and its viewpoints.
 pub(super) struct Judge {
     reference: ReferenceCloud,
     views: Vec<OriginalView>,
@@ -107,7 +107,7 @@ impl Judge {
         Ok(prepare(self.index, Arc::new(frame), 0.0, &needs, &counters))
     }
 
-    /// The picture, and which pixels show something of the cloud.
+    /// The image, and a mask of the pixels that show the cloud.
     fn drawn(&mut self, frame: &PreparedFrame, camera: &Camera) -> Result<(RgbaImage, Vec<bool>), BenchError> {
         let mut scene = Scene::default();
         let view = PictureView {

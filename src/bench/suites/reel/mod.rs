@@ -1,9 +1,9 @@
 //! Sequence files: bits per point, time and distortion.
 //!
 //! How it works: some consecutive frames are written to memory as a sequence file ([`crate::reel`]) and read back, with
-//! one choice of options after the other. Bits are those of all bytes, the directory included. Times are those of one
-//! thread, so that they hold for any number of them. The distortion is that of the last frame ([`judge`]). Next to them
-//! stands what Draco makes of the same points ([`draco`]).
+//! one choice of options after the other. Bits count all bytes, the directory included. Times are per thread, so that
+//! they hold for any number of them. The distortion is measured on the last frame ([`judge`]). Draco's results for the
+//! same points are listed next to them ([`draco`]).
 
 mod draco;
 mod judge;
@@ -86,7 +86,7 @@ pub const REEL: &Suite = &Suite {
 /// The cells that Draco is given: it has no others.
 const CELLS: Precision = Precision::Bits(10);
 
-/// The ways to keep a sequence that are compared.
+/// The compared encodings of a sequence.
 fn variants() -> Vec<(&'static str, ReelOptions)> {
     let voxels = ReelOptions {
         precision: CELLS,

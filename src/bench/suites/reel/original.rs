@@ -1,4 +1,4 @@
-//! The frames that are kept in one way and another.
+//! The original frames, compared with their encodings.
 
 use crate::bench::BenchError;
 use crate::bench::subject::Subject;

@@ -1,9 +1,9 @@
-//! Rate and distortion: what the options of sequence files cost in bits, and what they lose.
+//! Rate and distortion: the bits and the loss of the options of sequence files.
 //!
-//! How it works: a frame is kept with one choice of options after the other, and held against the original ([`judge`]).
-//! One option is swept at a time, the others are the usual ones: how precisely positions are kept, bits of normals, the
-//! error of colours. Bits are those of all bytes, over the points of the original, so that merging points costs no
-//! rate: curves of several clouds and of other coders can be laid over one another.
+//! How it works: a frame is encoded with one choice of options after the other, and compared with the original
+//! ([`judge`]). One option is swept at a time, the others are defaults: precision of positions, bits of normals, error
+//! of colours. Bits count all bytes, over the points of the original, so that merging points costs no rate: curves of
+//! several clouds and of other coders can be laid over one another.
 //!
 //! [`judge`]: super::judge
 

@@ -16,7 +16,7 @@ pub(super) struct RetainedSamples {
     /// Points of all of them, once they are read back.
     pub(super) points: usize,
     pub(super) bytes: usize,
-    /// False where positions are kept alone.
+    /// False where only positions are stored.
     pub(super) has_attributes: bool,
     /// `None` of a format without streams.
     pub(super) bytes_by_stream: Option<[u64; StreamKind::ALL.len()]>,
@@ -100,7 +100,7 @@ impl RetainedSamples {
         cells.extend(times.map(|ms| Cell::maybe(ms.map(rate))));
         cells.extend([error.d1_psnr_db(), error.d2_psnr_db(), error.color_psnr_db()].map(finite));
         cells.push(Cell::maybe(error.normals.map(|normals| normals.mean_deg)));
-        // An image in other colours does not measure what was lost.
+        // An image in other colours does not measure the loss.
         let flip = self.has_attributes.then_some(distortion.flip);
         cells.push(Cell::maybe(flip));
         cells.push(Cell::Number(self.bytes as f64));

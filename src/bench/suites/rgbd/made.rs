@@ -6,7 +6,7 @@ use crate::cloud::{Positions, RawCloud};
 use crate::rgbd::{Camera, DepthImage, Distortion};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
-/// Size of an image: that of most depth cameras.
+/// Size of an image, as of most depth cameras.
 pub(super) const MADE_PX: [u32; 2] = [640, 480];
 
 const FOCAL_PX: f64 = 525.0;
@@ -17,7 +17,7 @@ pub(super) const SCENE_CENTER: DVec3 = DVec3::new(0.0, 0.0, 1.5);
 
 const BALL_RADIUS: f64 = 0.5;
 
-/// The image from where the first sensor stands, which looks along z.
+/// The image from the position of the first sensor, which looks along z.
 pub(super) fn made() -> Option<DepthImage> {
     let metres = (0..MADE_PX[0] * MADE_PX[1]).map(|at| measured_z(&DAffine3::IDENTITY, at, 0));
     DepthImage::new(MADE_PX, metres.map(|z| z as f32).collect())
@@ -29,7 +29,7 @@ pub(super) fn pinhole(size_px: [u32; 2]) -> Result<Camera, BenchError> {
     camera.map_err(|error| BenchError::Nothing(error.to_string()))
 }
 
-/// About so many points of the scene: every pixel of as many images as it takes, or some pixels of one.
+/// About `points` points of the scene: every pixel of several images, or some pixels of one.
 pub(super) fn made_cloud(points: usize) -> RawCloud {
     let pixels = (MADE_PX[0] * MADE_PX[1]) as usize;
     // Nine of ten pixels have a measurement.

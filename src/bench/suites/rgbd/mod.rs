@@ -1,11 +1,11 @@
-//! Depth images: decoding and each filter, on one thread, on all, and on a GPU; then what becomes of their points in an
+//! Depth images: decoding and each filter, on one thread, on all, and on a GPU; then the stages from their points to an
 //! image (`screen.rs`).
 //!
 //! How it works: the frames of a recording are decoded as they are played, without filters. Each filter is then applied
-//! to the output of the preceding ones, as often as requested; the two numbers of threads take turns, so that what
-//! slows the machine down slows both. Where a GPU creates points from depth images, all of its passes over the image
-//! are timed by its own clock, as often. Sequences that are not depth images are measured with a synthetic image: a
-//! ball before a wall, with the noise, the steps, the outliers and the holes of a sensor (`made.rs`).
+//! to the output of the preceding ones, as often as requested; the two numbers of threads take turns, so that a
+//! slowdown of the machine affects both. Where a GPU creates points from depth images, all of its passes over the image
+//! are timed by its own clock, equally often. Sequences that are not depth images are measured with a synthetic image:
+//! a ball before a wall, with the noise, the steps, the outliers and the holes of a sensor (`made.rs`).
 
 mod made;
 mod screen;
@@ -89,7 +89,7 @@ pub const RGBD: &Suite = &Suite {
 /// Decoding, each filter, the usual filters together, and points.
 const STEPS_PER_FRAME: usize = 3 + Filters::COUNT;
 
-/// The filters that look at one image alone: what they are called together, and as what they are known apart.
+/// The filters that look at one image alone: their collective name, and their individual keys.
 const USUAL_STAGE: &str = "usual filters";
 const USUAL: [&str; 4] = ["near", "median", "bilateral", "flying"];
 
@@ -237,7 +237,7 @@ impl CardTimes {
     }
 }
 
-/// All filters and the points of an image by a card, as often as asked for; nothing where no card makes points.
+/// All filters and the points of an image on a GPU, as often as requested; nothing where no GPU creates points.
 fn on_card(run: &mut Run<'_>, image: &DepthImage, rays: &Arc<RayTable>) -> Result<Vec<CardTimes>, BenchError> {
     let filters = Filters {
         temporal: Some(Temporal::USUAL),
@@ -310,7 +310,7 @@ impl Stage {
         let one = Quantiles::of(&self.one_thread_ms);
         let all = Quantiles::of(&self.all_threads_ms);
         let on_card = Quantiles::of(&self.card_ms);
-        // Counts add up over frames; a time is that of one frame.
+        // Counts add up over frames; times are per frame.
         let frames = self.frames.max(1) as f64;
         let pixels = self.pixels as f64 / frames;
         let mut cells = vec![

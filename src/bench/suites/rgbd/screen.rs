@@ -1,10 +1,9 @@
 //! Visible points, their normals and their image, compared with Table 1 and Fig. 4 of Hofer et al. 2018.
 //!
-//! How it works: clouds of the paper's sizes are made by merging views of one scene, as many as it takes, each from
-//! another position and with noise of its own: more and more points of the same surface, of which an image shows what
-//! it can. All stages are timed from memory to memory, in turns with the search of `AutoSplats` for the same visible
-//! points. Where a GPU creates these surfels, an image of a new view is drawn as well, whose passes are timed by its
-//! own clock.
+//! How it works: clouds of the paper's sizes are made by merging views of one scene, as many as needed, each from
+//! another position and with its own noise: more and more points of the same surface, up to the resolution of an image.
+//! All stages are timed from memory to memory, in turns with the search of `AutoSplats` for the same visible points.
+//! Where a GPU creates these surfels, an image of a new view is drawn as well, whose passes are timed by its own clock.
 
 use super::made::{MADE_PX, SCENE_CENTER, made_cloud, pinhole};
 use crate::analysis::screen::{ScreenCloud, ScreenEstimator, Search};
@@ -25,7 +24,7 @@ use std::time::Instant;
 /// Points of the clouds of the paper's Table 1, and its milliseconds for all stages (GTX 1060).
 const PAPER: [(usize, f64); 4] = [(36_000, 3.92), (307_000, 7.56), (3_600_000, 19.92), (5_000_000, 28.90)];
 
-/// Number of clouds in addition to those of the sequences.
+/// Number of clouds in addition to the sequences'.
 pub(super) const CLOUDS: usize = PAPER.len();
 
 const TABLE: &str = "Visible points, their normals and their picture";
@@ -159,7 +158,7 @@ fn measure(run: &mut Run<'_>, seen: &ViewedCloud<'_>) -> Result<Row, BenchError>
         let bisected_ms = milliseconds_since(start);
         let mut passes = PassTimes::default();
         if !run.runner.is_processor() {
-            // Surfels of a packet are computed once, so those of an equal packet are computed again.
+            // Surfels of a packet are computed once, so a new, equal packet makes them computed again.
             passes = run.runner.draw(&new_packet())?.gpu_passes;
             run.runner.draw(&packet)?;
         }
@@ -183,7 +182,7 @@ fn measure(run: &mut Run<'_>, seen: &ViewedCloud<'_>) -> Result<Row, BenchError>
     Ok(row(seen, visible_count, card, &samples))
 }
 
-/// In the order of the suite's columns: what is of filters alone is missing.
+/// In the order of the suite's columns: columns of filters are missing.
 fn row(seen: &ViewedCloud<'_>, visible: usize, card: Option<String>, samples: &Samples) -> Row {
     let median = |times: &[f64]| Quantiles::of(times).map(|times| times.median);
     let stages = [&samples.cull_ms, &samples.normals_ms, &samples.draw_ms].map(|times| median(times));

@@ -27,9 +27,9 @@ pub(super) enum Expected {
     Disks,
     /// Image of another cloud, drawn by the CPU: one without the difficulty of this one.
     Of(Scenery),
-    /// The background: there is nothing to be seen.
+    /// The background: nothing is visible.
     Background,
-    /// None: an error message says why.
+    /// None: an error message gives the reason.
     Refusal,
 }
 
@@ -52,7 +52,7 @@ pub(super) const ALL: &[Primitive] = &[
     Primitive::Voxel,
 ];
 
-/// Primitives with a size of their own: cells of an octree over seven orders are larger than what is next to the eye.
+/// Primitives with their own size: cells of an octree over seven orders are larger than the parts next to the eye.
 const SPLATS: &[Primitive] = &[
     Primitive::Point,
     Primitive::Surfel,
@@ -83,7 +83,7 @@ const fn case(name: &'static str, seen: Scenery, expected: Expected, primitives:
     }
 }
 
-/// Every case, those of the camera first, then of coordinates, of attributes, and of frames with few points.
+/// All cases: of the camera first, then of coordinates, of attributes, and of frames with few points.
 pub(super) const CASES: &[Case] = &[
     case(
         "near plane, target at 0.01",
@@ -170,7 +170,7 @@ fn without_normals() -> RawCloud {
     cloud
 }
 
-/// The sphere in a unit of which it is `factor` long.
+/// The sphere scaled by `factor`.
 fn scaled(factor: f64) -> RawCloud {
     moved(|position| position * factor)
 }
@@ -186,7 +186,7 @@ fn moved(to: impl Fn(DVec3) -> DVec3) -> RawCloud {
     cloud
 }
 
-/// Numbers that are no lengths.
+/// Numbers that are not lengths.
 const NO_LENGTHS: [f32; 6] = [0.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, 1e-30];
 
 /// Radii that cannot be drawn: all are estimated, as if the file had none.
@@ -295,7 +295,7 @@ fn plane() -> RawCloud {
     sheet(0.0, [60, 140, 230, 255])
 }
 
-/// Two sheets in one plane in two colours, the points of one between those of the other.
+/// Two sheets in one plane in two colours, with interleaved points.
 fn sheets() -> RawCloud {
     let [first, second] = [sheet(0.0, [230, 60, 40, 255]), sheet(0.5, [40, 90, 230, 255])];
     let place = |cloud: &RawCloud, index| cloud.positions.get(index).to_array();

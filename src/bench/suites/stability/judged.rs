@@ -1,4 +1,4 @@
-//! An image next to its reference: errors, and if it is what it must be.
+//! An image next to its reference: errors, and if it meets the expectation.
 
 use crate::bench::BenchError;
 use crate::measure::{flip, mean_squared_error, psnr_db};
@@ -80,8 +80,8 @@ pub(super) struct Judged {
 }
 
 impl Judged {
-    /// Compares an image with its reference and with that of the other renderer. `is_closed`: it is made of splats that
-    /// close a surface.
+    /// Compares an image with its reference and with the other renderer's image. `is_closed`: it consists of splats
+    /// that close a surface.
     pub(super) fn of(
         reference: &Reference,
         image: &RgbaImage,
@@ -98,7 +98,7 @@ impl Judged {
         let between_db = of_other.map(db).transpose()?;
         let hole_share = hole_share(&expected, &found, image.width() as usize);
         let [expected_px, found_px] = [&expected, &found].map(|covered| count(covered));
-        // A surface seen edge on is thinner than a pixel, of which renderers without antialiasing may show none.
+        // A surface seen edge on is thinner than a pixel; renderers without antialiasing may show none of it.
         let must_be_seen = hole_share.is_some() || reference.is_equal && expected_px > FEW_PX;
         let result = if must_be_seen && found_px == 0 {
             "red: empty"

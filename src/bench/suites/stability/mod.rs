@@ -1,14 +1,14 @@
 //! Stability: clouds and cameras that break numerics, as every primitive, on both renderers.
 //!
 //! How it works: each case of `cases.rs` is a cloud and a camera with the image that it must give, generated here; each
-//! chosen frame of the inputs is a case as it is. A cloud goes the way that files go: origin, validation, estimation,
-//! levels of detail. The image is compared with its reference, which is ray-traced where the surface is known, and that
-//! of the same cloud without the difficulty elsewhere; and the image of the GPU with that of the CPU. Where there is no
-//! adapter, the CPU renderer is judged alone.
+//! chosen frame of the inputs is a case as it is. A cloud takes the path of files: origin, validation, estimation,
+//! levels of detail. The image is compared with its reference, ray-traced where the surface is known, elsewhere an
+//! image of the same cloud without the difficulty; and the GPU's image with the CPU's. Without an adapter, the CPU
+//! renderer is tested alone.
 //!
 //! A row is red if its image is empty and the reference is not (or the other way round), if the images of CPU and GPU,
-//! or those of equal scenes, are more than 40 dB apart (a PSNR below 40), if splats leave holes in a closed surface, or
-//! if nothing could be drawn.
+//! or of equal scenes, have a PSNR below 40 dB, if splats leave holes in a closed surface, or if
+//! nothing could be drawn.
 
 mod cases;
 mod judged;
@@ -209,7 +209,7 @@ fn measure_seen(
     Ok(rows)
 }
 
-/// The image of a packet and the times of the rounds that count; on the adapter without a processor.
+/// The image of a packet and the times of the rounds that count; on the adapter unless there is a CPU renderer.
 fn image_and_times(
     run: &mut Run<'_>,
     processor: Option<&mut Runner>,
@@ -244,7 +244,7 @@ fn style(primitive: Primitive, is_processor: bool) -> Style {
 }
 
 impl Seen {
-    /// A cloud that goes the way of a file, or why it does not.
+    /// A cloud processed like a file, or the reason for failure.
     fn of(scenery: Scenery) -> Result<Self, String> {
         let make = scenery.cloud;
         let source = FrameList::new(vec![FrameEntry::file("generated")], move |_, _| Ok(make()));
@@ -304,14 +304,14 @@ impl Seen {
             points: &self.frame.points,
             shapes: self.frame.shapes.as_deref().map_or(&[][..], Vec::as_slice),
             are_ellipses: self.frame.has_ellipses,
-            // Sheets that one looks at from behind are drawn.
+            // Sheets seen from behind are drawn.
             cull_back_faces: false,
         };
         Reference::traced(&Truth::of_disks(&disks, &self.truth_view(run)))
     }
 }
 
-/// The row of a case of which no image is drawn.
+/// The row of a case without an image.
 fn row_without_image(case: &str, judged: Judged) -> Row {
     let measured = Measured {
         case: case.to_owned(),

@@ -1,8 +1,8 @@
-//! Temporal error: what flickers, crawls or pops although the scene does not.
+//! Temporal error: flicker, crawling and popping that are not in the scene.
 //!
-//! How it works: short scenes whose change is known are drawn image by image, as they are played, and the change from
-//! one image to the next is compared with that of the truth ([`TemporalError`]). A render mode that is wrong in the
-//! same way in every image has no temporal error; the error lab has its spatial one.
+//! How it works: short scenes with known changes are drawn image by image, as in playback, and the change from one
+//! image to the next is compared with the truth's ([`TemporalError`]). A render mode with the same fault in every image
+//! has no temporal error; the error lab has its spatial one.
 //!
 //! Scenes at rest have a change of zero, so the background is the only assumption. Truths of moving scenes are
 //! ray-traced (`render/truth`).
@@ -154,7 +154,7 @@ impl Samples {
         } else {
             processor
         };
-        // One scene: what it remembers of the image before, it remembers in a window as well.
+        // One scene: it remembers the same state of the previous image as in a window.
         let mut scene = Scene::default();
         let mut before: Option<(RgbaImage, &Picture)> = None;
         for picture in pictures {

@@ -20,7 +20,7 @@ const STEPS: usize = 4;
 /// in no direction that an axis has.
 const MOTION_IN_SPACINGS: DVec3 = DVec3::new(0.31, 0.23, -0.17);
 
-/// Share of the points that playback falls back on when there is no time for more.
+/// Share of the points that playback falls back to when time is short.
 const FALLBACK_SHARE: usize = 4;
 
 /// Distance of the moving point from the centre of the shape, in radii: outside of every image of the shape.
@@ -39,7 +39,7 @@ pub(super) enum SceneKind {
     ShapeMoves,
     /// A frame around which the camera turns.
     CameraTurns,
-    /// Consecutive frames of a sequence, of which no truth is known.
+    /// Consecutive frames of a sequence, without a known truth.
     NextFrames,
 }
 
@@ -109,7 +109,7 @@ pub(super) struct Scenes<'a> {
 }
 
 impl<'a> Scenes<'a> {
-    /// Loads the first frame, or says why it cannot be measured.
+    /// Loads the first frame, or gives the reason why it cannot be measured.
     pub(super) fn new(
         run: &mut Run<'_>,
         cache: &'a TruthCache,
@@ -134,7 +134,7 @@ impl<'a> Scenes<'a> {
     /// The images of a scene from each viewpoint; none without frames that can be measured.
     pub(super) fn pictures(&self, run: &mut Run<'_>, kind: SceneKind) -> Result<Pictures, BenchError> {
         let count = self.frame.points.len();
-        // Of points that are the same from each viewpoint.
+        // Only for points that are the same from each viewpoint.
         let frames = match (kind, self.subject.shape) {
             (SceneKind::NextFrames, _) => self.next_frames(run)?,
             (SceneKind::CameraTurns, _) | (_, None) => vec![self.frame.clone(); STEPS + 1],
@@ -170,7 +170,7 @@ impl<'a> Scenes<'a> {
     /// Image `step` of a scene, by the camera of the first one.
     fn picture(&self, kind: SceneKind, frame: &PreparedFrame, camera: Camera, step: u32) -> Picture {
         let turned = turned(camera, step);
-        // The truth of a shape that moves is that of a camera that moves the other way.
+        // The truth of a moving shape equals that of a camera with the inverse motion.
         let followed = Camera {
             target_in_world: camera.target_in_world - self.moved(step),
             ..camera

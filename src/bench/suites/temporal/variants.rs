@@ -1,11 +1,11 @@
-//! Compared render modes: those that differ in what they do from image to image.
+//! Compared render modes: those that differ in their behaviour from image to image.
 
 use crate::bench::suites::error::variants::base;
 use crate::levels::Lod;
 use crate::levels::octree::StopCriterion;
 use crate::scene::{PointShape, PointSizing, Primitive, RendererChoice, Settings, Splatting, VoxelLight};
 
-/// All modes, first those of the CPU, then those of the adapter if there is one.
+/// All modes, first the CPU's, then the adapter's if there is one.
 pub(super) fn variants(has_adapter: bool) -> Vec<Settings> {
     let base = base();
     let mut variants = of_renderer(&base);

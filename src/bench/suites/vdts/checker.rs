@@ -36,7 +36,7 @@ const RAYS: u32 = 8;
 /// Focal length, as a share of the width.
 const FOCAL: f64 = 1.2;
 
-/// Degrees from the normal and the distance of what looks at the checker.
+/// Views of the checker: name, degrees from the normal, and distance.
 const VIEWS: [(&str, f64, f64); 3] = [("near", 20.0, 1.0), ("far", 20.0, 8.0), ("aslant", 75.0, 2.5)];
 
 /// Rows of [`measure`], each a step.
@@ -65,7 +65,7 @@ fn looking(edge_px: u32, degrees: f64, distance: f64) -> Option<(rgbd::Camera, D
     Some((pinhole, DAffine3::from_mat3_translation(axes, eye)))
 }
 
-/// The mean of what the rays of a pixel see; `None` where one sees what is not compared.
+/// The mean colour along the rays of a pixel; `None` if one of them hits a part that is not compared.
 fn seen(pinhole: &rgbd::Camera, world_from_camera: &DAffine3, [x, y]: [u32; 2], max: f64) -> Option<f64> {
     let mut sum = 0.0;
     for ray in 0..RAYS * RAYS {

@@ -20,7 +20,7 @@ pub(super) fn steps(points: usize) -> usize {
     PhotoClipping::ALL.len() * POINTS.into_iter().filter(|&few| few < points).count()
 }
 
-/// The views by every way of clipping.
+/// Measures the views with every kind of clipping.
 pub(super) fn measure(
     run: &mut Run<'_>,
     runner: &mut Runner,

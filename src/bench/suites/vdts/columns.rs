@@ -11,7 +11,7 @@ pub(super) const CLIPPED: &str = "clipping";
 /// Fig. 5.
 pub(super) const FILTERED: &str = "filtering";
 
-/// Columns of all tables; the first says which one a row belongs to.
+/// Columns of all tables; the first names the table of a row.
 pub(super) const COLUMNS: &[Column] = &[
     Column::text(Column::TABLE, "table"),
     Column::text("sequence", "sequence"),

@@ -1,7 +1,7 @@
 //! Synthetic input images of clouds that have none: renderings of all their points.
 //!
-//! That is the experiment of Yang et al. 2006 (§6, Table 2): what a few thousand points with view-dependent texturing
-//! show of a dense cloud.
+//! That is the experiment of Yang et al. 2006 (§6, Table 2): a dense cloud shown by a few thousand points with
+//! view-dependent texturing.
 
 use super::backgrounds::is_covered;
 use super::multiview::{MultiView, StyledFrame};
@@ -16,8 +16,8 @@ use crate::rgbd::{self, DepthImage, Distortion};
 use crate::scene::{Camera, FirstLook};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 
-/// Number of generated images, and their width and height. Without every eighth there are 50, as many as the paper has
-/// of the Buddha, and as large.
+/// Number of generated images, and their width and height. Without every eighth there are 50, the number and size of
+/// the paper's images of the Buddha.
 const COUNT: usize = 58;
 const EDGE_PX: u32 = 512;
 

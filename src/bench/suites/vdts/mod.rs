@@ -2,13 +2,13 @@
 //! these.
 //!
 //! How it works: some images of each set are held out, all at once, and their viewpoints are rendered from the others.
-//! What they show there is the ground truth. It is compared where something was drawn: a hole says nothing about
+//! The held-out images are the ground truth. They are compared where something was drawn: a hole says nothing about
 //! colours, and the fraction of holes is reported separately. Points of held-out depth images are held out as well
-//! (`--leave-out`), and the surface for images without depths is built from those that are used.
+//! (`--leave-out`), and the surface for images without depths is built from the remaining points.
 //!
 //! For sequences without images, images are generated (`made.rs`), and a tree is added to them (`tree.rs`). For these
-//! the ground truth is known, and so there are tables of what the paper shows: bytes and errors (`sizes.rs`), clipping
-//! (`clipped.rs`), and what a checkerboard looks like (`checker.rs`).
+//! the ground truth is known, and so there are the paper's tables: bytes and errors (`sizes.rs`), clipping
+//! (`clipped.rs`), and the rendering of a checkerboard (`checker.rs`).
 
 mod backgrounds;
 mod checker;
@@ -39,8 +39,8 @@ use image::{Rgba, RgbaImage};
 use multiview::{MultiView, TrueView};
 use std::sync::Arc;
 
-/// Points that are left of a cloud that is photographed, and of the tree: as many as the paper has of the Buddha and of
-/// its tree (Yang et al. 2006, Table 2).
+/// Points of the subsampled cloud, and of the tree: the paper's numbers for the Buddha and its tree (Yang et al. 2006,
+/// Table 2).
 const POINTS: usize = 5_000;
 const POINTS_OF_TREE: usize = 145_000;
 
@@ -199,7 +199,7 @@ fn skip(
     Ok(rows)
 }
 
-/// Tables of what is photographed by the program itself, in views of which the truth is known.
+/// Tables of generated input images, in views with known truth.
 fn tables_of_paper(
     run: &mut Run<'_>,
     runner: &mut Runner,

@@ -36,7 +36,7 @@ pub(super) struct StyledFrame<'a> {
 }
 
 impl MultiView<'_> {
-    /// At most so many of its points, taken evenly.
+    /// At most `max_points` of its points, evenly sampled.
     pub(super) fn few(&self, max_points: usize) -> Result<PreparedFrame, CloudError> {
         let (few, _) = self.frame.frame.sample(max_points)?;
         let needs = Scene::needs(&self.style);
@@ -68,7 +68,7 @@ impl MultiView<'_> {
     }
 }
 
-/// A view of which the truth is known.
+/// A view with known truth.
 pub(super) struct TrueView {
     camera: Camera,
     picture: RgbaImage,
@@ -130,7 +130,7 @@ impl Errors {
         Ok(errors)
     }
 
-    /// Over the pixels that show something, in the truth or in the picture. The others are black in both.
+    /// Adds the errors over the pixels that show something, in the truth or in the image. The others are black in both.
     fn add(&mut self, view: &TrueView, dark: &RgbaImage, bright: &RgbaImage) -> Result<(), BenchError> {
         let pixels = dark.pixels().zip(bright.pixels());
         let covered: Vec<bool> = pixels.map(|(dark, bright)| is_covered(*dark, *bright)).collect();

@@ -1,9 +1,9 @@
-//! Table 2 of Yang et al. 2006 with what is available here: bytes compared with errors and times, for a few points with
-//! view-dependent texturing and for many without.
+//! Table 2 of Yang et al. 2006 with the data available here: bytes compared with errors and times, for a few points
+//! with view-dependent texturing and for many without.
 //!
 //! How it works: points are counted as a sequence file of them, images as JPEG files, as in the paper. The ground truth
-//! is what all points look like as disks of f64; images were generated from the same points by the software renderer,
-//! and those of the compared views are held out.
+//! shows all points as disks in f64; images were generated from the same points by the software renderer, and the
+//! images of the compared views are held out.
 
 use super::columns::SIZES;
 use super::multiview::{Errors, MultiView, StyledFrame, TrueView, times_ms};
@@ -21,7 +21,7 @@ use image::ExtendedColorType;
 use image::codecs::jpeg::JpegEncoder;
 use std::sync::Arc;
 
-/// Maximum number of splats without images: as many as the paper has.
+/// Maximum number of splats without images, as in the paper.
 const MAX_SPLATS: usize = 1_000_000;
 
 /// The paper says "high".

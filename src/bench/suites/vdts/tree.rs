@@ -1,8 +1,8 @@
-//! A tree, as in the paper (Table 2): what images show of leaves, and points do not.
+//! A tree, as in the paper (Table 2): leaves, which images show and points do not.
 //!
 //! How it works: branches are cones that split into thinner ones, each turned from its parent by angles from a random
-//! number generator; those that split no further carry leaves, small disks in all directions. Points are spread by
-//! area, half of them on bark.
+//! number generator; the last ones carry leaves, small disks in all directions. Points are spread by area, half of them
+//! on bark.
 
 use crate::cloud::{Attributes, Positions, RawCloud};
 use crate::sequence::{FrameEntry, Sequence};

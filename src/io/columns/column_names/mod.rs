@@ -1,11 +1,11 @@
 //! Names of columns → roles: coordinates, colours and normals under the names that other programs give them.
 //!
 //! **How it works.** A name is taken apart into words: `Points_m_XYZ:0` is `points m xyz 0`, `posX` is `pos x`. One of
-//! the words, or what is glued to a known word, is an axis; the others are the *stem*. Three columns of one stem with
-//! the three axes are a triple. A bare stem (`x`) is taken before one of known words (`pos_x`, `Points:0`), these
-//! before surveyors' names (`Easting`), and these before unknown words (`head_x`), which count only if nothing else is
-//! there and if they are no vector of another kind (`vel_x`). Longitude and latitude come last. Units are in brackets
-//! or the last word.
+//! the words, or a suffix of a known word, is an axis; the others are the *stem*. Three columns of one stem with the
+//! three axes are a triple. A bare stem (`x`) is taken before one of known words (`pos_x`, `Points:0`), these before
+//! surveyors' names (`Easting`), and these before unknown words (`head_x`), which count only if there is nothing else
+//! and they are not a vector of another kind (`vel_x`). Longitude and latitude come last. Units are in brackets or the
+//! last word.
 
 use crate::cloud::LengthUnit;
 
@@ -52,7 +52,7 @@ const COORDINATE_WORDS: &[&str] = &[
 /// Words before or behind an axis without anything in between, as in `Xcoord` and `posx`.
 const GLUED_WORDS: &[&str] = &["coordinate", "coord", "position", "point", "pos", "pt", "loc", "p", "t"];
 
-/// Words of vectors that are no coordinates.
+/// Words of vectors that are not coordinates.
 const OTHER_VECTORS: &[&str] = &[
     "v",
     "vel",
@@ -225,7 +225,7 @@ impl Words {
         {
             words.push(index.to_owned());
         }
-        // `x_m` has its unit at the end, `Points_m_XYZ` in the middle.
+        // `x_m` has its unit at the end, `Points_m_XYZ` within it.
         if words.len() > 1
             && let Some(place) = words.iter().rposition(|word| unit_of(word).is_some())
             && place > 0
@@ -323,7 +323,7 @@ fn words_of(name: &str) -> Vec<String> {
     words
 }
 
-/// A name for people and for scalars: without quotes, and without unit and remarks in brackets.
+/// A name for display and for scalars: without quotes, and without unit and remarks in brackets.
 pub(in crate::io) fn plain_name(name: &str) -> &str {
     split_bracket(unquoted(name)).0
 }
@@ -365,10 +365,10 @@ fn triples(words: &[Words]) -> Vec<(Vec<&str>, [usize; 3])> {
 }
 
 /// The columns of several markers in a row, named alike but for a number: `x0 y0 z0 x1 y1 z1 …`, `marker2_x …`. None
-/// where the names are those of one point, or of few without a column of frames or times.
+/// where the names describe one point, or few without a column of frames or times.
 pub(in crate::io) fn markers(names: &[&str]) -> Vec<[usize; 3]> {
     const MIN_WITH_FRAMES: usize = 3;
-    /// Three may be the corners of a triangle, four those of a tetrahedron.
+    /// Three may be the corners of a triangle, four of a tetrahedron.
     const MIN: usize = 5;
     const FRAME_WORDS: [&str; 6] = ["frame", "frames", "time", "timestamp", "t", "step"];
     let words: Vec<Words> = names.iter().map(|name| Words::of(name)).collect();

@@ -1,8 +1,8 @@
 //! E57 files of LiDAR scanners: one or more scans, each with its own fields and pose.
 //!
 //! The crate `e57` reads the header and the description (XML) and verifies the checksums of the pages. The points are
-//! read here, see
-//! [`streams`]: the crate would make an object of every number, and fills memory where a record has no bits.
+//! read here, see [`streams`]: the crate would create an object per number, and fills memory where a record has no
+//! bits.
 
 mod scan;
 mod streams;

@@ -12,7 +12,7 @@ use glam::{DQuat, DVec3};
 /// Name of the field that every scan gets if one has it.
 pub(super) const INTENSITY: &str = "intensity";
 
-/// Scalars under the name that they get, and that of the file; all others keep theirs.
+/// Scalars: our name and the file's; all others retain theirs.
 const SCALARS: [(&str, RecordName); 4] = [
     (INTENSITY, RecordName::Intensity),
     ("timestamp", RecordName::TimeStamp),
@@ -23,7 +23,7 @@ const SCALARS: [(&str, RecordName); 4] = [
 /// Names of the extension for surface normals.
 const NORMALS: [&str; 3] = ["normalX", "normalY", "normalZ"];
 
-/// The name of a scalar that is not among [`SCALARS`]: that of the file. `None` for what says something else.
+/// The name of a scalar that is not among [`SCALARS`]: the file's. `None` for other records.
 fn other_name(record: &RecordName) -> Option<String> {
     match record {
         RecordName::RowIndex => Some("rowIndex".to_owned()),
@@ -119,7 +119,7 @@ impl ScanFields<'_> {
         Some(values)
     }
 
-    /// All that are not positions, colours or normals, those of known names first.
+    /// All records that are not positions, colours or normals, known names first.
     fn scalars(&self) -> Vec<(String, Vec<f64>)> {
         let mut names = UniqueNames::default();
         let known = SCALARS.into_iter().map(|(name, record)| (name.to_owned(), record));
@@ -260,8 +260,8 @@ impl ScanFields<'_> {
         Some(colors)
     }
 
-    /// Returns the value range, black and white level, of a colour channel: from the limits of the scan, from those of
-    /// the field, or from the largest value.
+    /// Returns the value range, black and white level, of a colour channel: from the limits of the scan, the limits of
+    /// the field, or the largest value.
     fn range(&self, channel: usize, name: &RecordName, largest: f64) -> (f64, f64) {
         let kind = self
             .scan

@@ -55,8 +55,8 @@ pub(super) struct FieldStream<'a> {
 }
 
 impl FieldStream<'_> {
-    /// Hands over the first `count` numbers with their indices, none of them once nobody wants them. Precondition:
-    /// [`read`] was asked for as many.
+    /// Hands over the first `count` numbers with their indices, none of them once cancelled. Precondition: [`read`] was
+    /// called with this count.
     pub(super) fn for_each(&self, count: usize, mut each: impl FnMut(usize, f64)) {
         if self.progress.is_cancelled() {
             return;
@@ -97,7 +97,7 @@ impl FieldStream<'_> {
     }
 }
 
-/// The streams of scan `index`, each of which has as many numbers as the scan has points.
+/// The streams of scan `index`, each of which has one number per point of the scan.
 pub(super) fn read<'a>(
     index: usize,
     scan: &'a PointCloud,

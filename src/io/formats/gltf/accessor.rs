@@ -12,8 +12,8 @@ pub(super) struct AccessorSource<'a> {
     pub(super) document: &'a Document,
     pub(super) buffers: &'a Buffers<'a>,
     pub(super) options: &'a ReadOptions,
-    /// Bytes read so far. A file may refer to the same numbers again and again: what is read for one frame, and the
-    /// time for it, has the limit of what it may take in memory.
+    /// Bytes read so far. A file may refer to the same numbers repeatedly: the memory limit also bounds the bytes read
+    /// for one frame, and so the time for it.
     pub(super) spent_bytes: Cell<u64>,
 }
 
@@ -38,7 +38,7 @@ impl<'a> AccessorSource<'a> {
 }
 
 impl AccessorSource<'_> {
-    /// Fails where `bytes` and what was read before are more than one frame may take.
+    /// Fails if `bytes` and the bytes read before exceed the limit of one frame.
     pub(super) fn spend(&self, bytes: u64) -> Result<(), Fault> {
         let spent = self.spent_bytes.get().saturating_add(bytes);
         self.spent_bytes.set(spent);
@@ -99,7 +99,7 @@ impl AccessorSource<'_> {
         self.read_as(index, |entries, entry| entries.number(entry, 0) as u32, 0)
     }
 
-    /// Every number of the entries, each as a column of its own.
+    /// Every number of the entries, each as a separate column.
     pub(super) fn read_columns(&self, index: usize) -> Result<Vec<Vec<f64>>, Fault> {
         let accessor = at(&self.document.accessors, index, "accessor")?;
         let columns = 0..components(accessor, index)?;

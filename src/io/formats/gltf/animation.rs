@@ -92,7 +92,7 @@ pub(super) fn changes(source: &AccessorSource<'_>, animations: &[usize], time: f
     Ok(changes)
 }
 
-/// A rotation without stretching; none where there is no telling which.
+/// A normalised rotation; the identity where it is undefined.
 pub(super) fn unit(rotation: DQuat) -> DQuat {
     let length = rotation.length();
     if length > 0.0 && length.is_finite() {

@@ -10,7 +10,7 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use std::borrow::Cow;
 use std::path::Path;
 
-/// The buffers of a document that were asked for, and how much memory they may take in all.
+/// The requested buffers of a document, and their total memory limit.
 pub(super) struct Buffers<'a> {
     loaded: Vec<Option<Cow<'a, [u8]>>>,
 }
@@ -111,7 +111,7 @@ impl<'a> Buffers<'a> {
     }
 }
 
-/// The bytes that `uri` in the file `path` stands for, not more than `max_bytes`.
+/// The bytes of `uri` in the file `path`, not more than `max_bytes`.
 pub(super) fn resource(uri: &str, path: &Path, max_bytes: u64, options: &ReadOptions) -> Result<Vec<u8>, String> {
     if let Some(data) = uri.strip_prefix("data:") {
         let lenient = GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent);

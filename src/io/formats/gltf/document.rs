@@ -1,6 +1,6 @@
-//! The JSON of a glTF file, as far as shapes, their movement and their colour go.
+//! The JSON of a glTF file, limited to shapes, their movement and their colour.
 //!
-//! Every index in it is only a claim: [`at`] says which one points nowhere.
+//! Every index in it is only a claim: [`at`] reports the invalid ones.
 
 use crate::io::error::{Fault, Place};
 use crate::io::options::ReadOptions;
@@ -80,7 +80,7 @@ objects! {
         byte_stride: Option<usize>,
         extensions: HashMap<String, serde_json::Value>,
     }
-    /// A picture.
+    /// An image.
     Image { uri: Option<String>, buffer_view: Option<usize> }
     /// Material: the appearance of a surface.
     Material { pbr_metallic_roughness: Pbr }
@@ -88,14 +88,14 @@ objects! {
     Pbr { base_color_factor: Option<[f32; 4]>, base_color_texture: Option<TextureUse> }
     /// A texture and which coordinates it is looked up with.
     TextureUse { index: usize, tex_coord: usize, extensions: TextureExtensions }
-    /// Texture extensions, of which only the transform counts.
+    /// Texture extensions; only the transform is used.
     TextureExtensions {
         #[serde(rename = "KHR_texture_transform")]
         transform: Option<TextureTransform>
     }
     /// Changes texture coordinates.
     TextureTransform { offset: [f32; 2], rotation: f32, scale: Option<[f32; 2]>, tex_coord: Option<usize> }
-    /// A picture, repeated.
+    /// An image, repeated.
     Texture { source: Option<usize> }
     /// Shapes.
     Mesh { primitives: Vec<Primitive>, weights: Vec<f32> }
@@ -167,7 +167,7 @@ pub(super) fn parse<'a>(bytes: &'a [u8], options: &ReadOptions) -> Result<(Docum
     Ok((document, binary))
 }
 
-/// Shapes that are packed in a way that is not read.
+/// Error for shapes with unsupported compression.
 pub(super) fn packed(extension: &str) -> Fault {
     Fault::header(format!(
         "the shapes are compressed with {extension}, which is not read: save the file without compression, as with \

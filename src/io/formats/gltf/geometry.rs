@@ -316,7 +316,7 @@ impl PrimitiveAttributes {
     }
 }
 
-/// The attributes of the application, in the order of their names; each number of those with several by itself.
+/// The attributes of the application, in the order of their names; one field per number for those with several.
 fn fields(source: &AccessorSource<'_>, primitive: &Primitive) -> Result<Vec<(String, Vec<f64>)>, Fault> {
     let own = primitive.attributes.iter().filter(|(name, _)| name.starts_with('_'));
     let mut own: Vec<(&String, &usize)> = own.collect();

@@ -1,8 +1,8 @@
-//! Colours of surfaces: the base colour of the material, its texture, and the colours of vertices, multiplied as light
-//! is.
+//! Colours of surfaces: the base colour of the material, its texture, and the colours of vertices, multiplied in linear
+//! light.
 //!
-//! Factors and vertex colours are linear light, textures and the colours of points are sRGB. A texture alone is handed
-//! on without change. A texture that cannot be read leaves the other two: what the shape is does not depend on it.
+//! Factors and vertex colours are linear light, textures and the colours of points are sRGB. A texture alone is passed
+//! on unchanged. Without a readable texture the other two remain: the shape does not depend on it.
 
 use super::accessor::AccessorSource;
 use super::buffers::resource;
@@ -80,7 +80,7 @@ impl Surfaces<'_> {
         std::array::from_fn(|channel| light[channel] * factor[channel])
     }
 
-    /// The textures, which are `pictures`, on the vertices of `geometry`.
+    /// The textures `pictures` on the vertices of `geometry`.
     pub(super) fn texturing(&self, geometry: &Geometry, pictures: &Arc<cloud::Textures>) -> Texturing {
         let numbers: Vec<Option<u32>> = self.textures.numbers();
         let place = |(material, &place): (&Option<usize>, &[f32; 2])| match material {
@@ -165,7 +165,7 @@ fn picture_of(source: &AccessorSource<'_>, texture: usize, path: &Path) -> Resul
     Ok(Some(picture))
 }
 
-/// The nearest texel of a picture that repeats in all directions.
+/// The nearest texel of an image that repeats in all directions.
 fn texel(picture: &RgbaImage, place: [f32; 2]) -> [u8; 4] {
     let index = |place: f32, size: u32| {
         let fraction = place - place.floor();

@@ -3,9 +3,9 @@
 //! An animated scene is one frame for each 24th of a second of its longest animation. A frame is the vertices of all
 //! shapes as the nodes, bones and morph targets place them at its time step, or points sampled on their faces: at the
 //! same positions on the surface in every frame, spread evenly over the scene at rest, so that point `i` can be
-//! followed through time. Coordinates are those of the file, with y up.
+//! followed through time. Coordinates are the file's, with y up.
 //!
-//! The JSON is read with `serde` into the few objects that count ([`document`]). The crate `gltf` was not used: its
+//! The JSON is read with `serde` into the few relevant objects ([`document`]). The crate `gltf` was not used: its
 //! accessors overflow and panic on counts of zero, and it refuses files for extensions that do not concern the shapes.
 
 mod accessor;

@@ -16,11 +16,11 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Coordinates are kept in double precision where a node moves things further than this: single precision would be
+/// Coordinates are stored in double precision where a node moves objects further than this: single precision would be
 /// coarser than 1 in 128.
 const FAR: f64 = 65_536.0;
 
-/// A file that was read, of which any frame can be had.
+/// A file that was read and can provide any frame.
 pub(in crate::io) struct Scene<'a> {
     document: Document,
     buffers: Buffers<'a>,
@@ -86,7 +86,7 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// The scene at `time_s`; sampled already where that was asked for.
+    /// The scene at `time_s`; sampled already where that was requested.
     pub(in crate::io) fn frame(&self, time_s: f64) -> Result<RawCloud, Fault> {
         self.cloud(self.posed(time_s)?)
     }
@@ -175,7 +175,7 @@ fn sampled(
     Ok(cloud)
 }
 
-/// Vertices with the pictures on the faces between them.
+/// Vertices with the textures of the faces between them.
 fn textured(geometry: Geometry, surfaces: &Surfaces<'_>, pictures: &Arc<cloud::Textures>) -> RawCloud {
     let colors = surfaces.has_colors(&geometry).then(|| {
         let colored = geometry.materials.iter().zip(&geometry.colors);

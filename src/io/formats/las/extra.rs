@@ -9,14 +9,14 @@ const DESCRIPTION_BYTES: usize = 192;
 /// A plain number.
 #[derive(Debug, Clone)]
 pub(super) struct ExtraField {
-    /// Field name in the file; may be empty, or that of another field.
+    /// Field name in the file; may be empty, or the same as another field's.
     pub(super) name: String,
     /// Counted from 1.
     pub(super) number: usize,
     pub(super) scalar: Scalar,
     /// Byte of a point where it begins.
     pub(super) start: usize,
-    /// The number in the file that stands for none.
+    /// The no-data number of the file.
     no_data: Option<f64>,
     scale: f64,
     offset: f64,
@@ -28,7 +28,7 @@ impl ExtraField {
         self.no_data.is_none() && (self.scale, self.offset) == (1.0, 0.0)
     }
 
-    /// From the numbers in the file to what they mean.
+    /// Converts stored numbers to values.
     pub(super) fn apply(&self, values: &mut [f64]) {
         for value in values {
             *value = if self.no_data == Some(*value) {
@@ -105,7 +105,7 @@ fn scalar(kind: u8) -> Option<Scalar> {
     SCALARS.get(usize::from(kind.checked_sub(1)?)).copied()
 }
 
-/// The type of each number of a field, and how many there are: those of a kind above 10 are two or three.
+/// The type of each number of a field, and their count: two or three for kinds above 10.
 fn numbers(kind: u8) -> (Option<Scalar>, usize) {
     match kind {
         1..=30 => (scalar((kind - 1) % 10 + 1), usize::from((kind - 1) / 10) + 1),
@@ -113,7 +113,7 @@ fn numbers(kind: u8) -> (Option<Scalar>, usize) {
     }
 }
 
-/// Bytes of a field; kind 0 is so many bytes without a meaning.
+/// Bytes of a field; kind 0 has `options` bytes without a meaning.
 fn byte_size(kind: u8, options: u8) -> Option<usize> {
     match numbers(kind) {
         (Some(scalar), numbers) => Some(numbers * scalar.byte_size()),
@@ -121,7 +121,7 @@ fn byte_size(kind: u8, options: u8) -> Option<usize> {
     }
 }
 
-/// Type of the number that stands for none: the widest of its kind.
+/// Type of the no-data number: the widest of its kind.
 fn widest(scalar: Scalar) -> Scalar {
     match scalar {
         Scalar::U8 | Scalar::U16 | Scalar::U32 | Scalar::U64 => Scalar::U64,

@@ -1,5 +1,5 @@
-//! The fields that compressed points consist of, and who unpacks each: the crate `laz`, apart from GPS times and from
-//! the first field of layered points, which contains some (see [`super::gps_times`]).
+//! The fields that compressed points consist of, and their decoders: the crate `laz`, except for GPS times and the
+//! first field of layered points, which contains some (see [`super::gps_times`]).
 
 use super::gps_times::GpsTimes;
 use super::layered_point::LayeredPoint;
@@ -41,7 +41,7 @@ pub(super) fn unpack(items: &[LazItem], packed: &mut Cursor<&[u8]>, rows: &mut [
     Ok(())
 }
 
-/// Bytes of a field of a point. Only fields of extra bytes have the size that the file says.
+/// Bytes of a field of a point. Only fields of extra bytes have a size given by the file.
 pub(super) fn bytes(item: LazItem) -> usize {
     match item.item_type() {
         LazItemType::Point10 => 20,

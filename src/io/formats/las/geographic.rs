@@ -1,8 +1,8 @@
-//! Coordinates in degrees: where the coordinate reference system is a geographic one, that is said.
+//! Coordinates in degrees: detection of geographic coordinate reference systems.
 //!
-//! The keys of `GeoTIFF` say it by the type of the model, or by a geographic system without a projected one; well-known
-//! text says it by a geographic system that no projection is around. Files with such a record and coordinates that are
-//! no degrees are common, as programs reproject points and leave the record: those are left as they are.
+//! `GeoTIFF` keys have it as the type of the model, or as a geographic system without a projected one; well-known text
+//! as a geographic system without an enclosing projection. Files with such a record and coordinates that are not
+//! degrees are common, as programs reproject points and leave the record: those are left as they are.
 
 use super::header::Record;
 use super::reference_system::{self, GeoKeys, metres_of_unit};
@@ -10,8 +10,8 @@ use crate::assumption::{Assumption, Evidence, Subject};
 use crate::cloud::{LengthUnit, Positions, RawCloud};
 use crate::io::files::utm::Zone;
 
-/// Keys of `GeoTIFF` (OGC 19-008): the type of the model, systems of angles and of projections, the unit of angles and
-/// that of heights.
+/// Keys of `GeoTIFF` (OGC 19-008): the type of the model, systems of angles and of projections, units of angles and of
+/// heights.
 const MODEL_KEY: u16 = 1024;
 const GEOGRAPHIC_KEY: u16 = 2048;
 const ANGLE_UNITS_KEY: u16 = 2054;

@@ -1,16 +1,16 @@
 //! GPS times as LAZ packs them, for points in one stream (formats 1 and 3 to 5) and for those in layers (6 to 10).
 //!
-//! Times are 64 bits of a float, predicted as integers. Lines of flight overlap in a sorted file, so there are
-//! four *sequences*, each with its last time and the step between two pulses. A symbol says how a time follows
-//! from the sequence in use: as many steps further and a difference from that (in a coder that depends on how
-//! many), not at all, as the first time of a new sequence, or that it belongs to another sequence, and what is
-//! said about that one follows. Sequences without a step have symbols of their own. The fourth factor that is
-//! beyond what symbols can say, or 0, since a step last fitted makes its difference the new step.
+//! Times are 64 bits of a float, predicted as integers. Lines of flight overlap in a sorted file, so there are four
+//! *sequences*, each with its last time and the step between two pulses. A symbol says how a time follows from the
+//! sequence in use: a number of steps further and a difference from that (in a coder that depends on the number),
+//! unchanged, as the first time of a new sequence, or in another sequence, whose symbol follows. Sequences without a
+//! step have separate symbols. The fourth factor beyond the range of symbols, or 0, since a step last fitted makes its
+//! difference the new step.
 //!
-//! The crate `laz` calls itself for each change of the sequence. A writer looks for the sequence that it changes to and
-//! changes once; changed bytes can ask for it without end, within a byte, until the stack overflows, and nobody catches
-//! that. This is why the times are unpacked here, with a bound. The oldest of the three ways to pack them has a single
-//! sequence and stays with the crate.
+//! The crate `laz` calls itself for each change of the sequence. A writer finds the target sequence and changes once;
+//! modified bytes can request endless changes, within a byte, until the stack overflows, which cannot be caught. This
+//! is why the times are unpacked here, with a bound. The oldest of the three encodings has a single sequence and is
+//! left to the crate.
 //!
 //! Source: LAZ Specification 1.4 R1 (rapidlasso), items `GPSTIME11` and `POINT14`.
 
@@ -25,7 +25,7 @@ const SEQUENCES: usize = 4;
 /// More changes of the sequence for one time come back to where they began.
 const MAX_CHANGES: usize = SEQUENCES;
 
-/// Symbols of a sequence with a step: factors, from these on negative ones, and what is not a factor.
+/// Symbols of a sequence with a step: factors, from these on negative ones, and non-factors.
 const LARGEST_FACTOR: u32 = 500;
 const SMALLEST_FACTOR: u32 = LARGEST_FACTOR + 10;
 const UNCHANGED: u32 = SMALLEST_FACTOR + 1;
@@ -44,11 +44,11 @@ struct Sequence {
     /// Bits of the last time.
     time: i64,
     step: i32,
-    /// Times with a factor beyond what symbols can say since the step last fitted.
+    /// Number of times with a factor beyond the range of symbols since the step last fitted.
     misfits: u8,
 }
 
-/// The times of a chunk, or in layers those of a scanner channel, one after the other.
+/// The times of a chunk, or in layers of a scanner channel, one after the other.
 pub(super) struct GpsTimes {
     sequences: [Sequence; SEQUENCES],
     current: usize,
@@ -66,7 +66,7 @@ impl GpsTimes {
         Self::new(0, 0)
     }
 
-    /// For points in layers, of which the first has the time `first`, as bits.
+    /// For points in layers, the first with the time `first`, as bits.
     pub(super) fn in_layers(first: i64) -> Self {
         Self::new(first, 1)
     }
@@ -105,7 +105,7 @@ impl GpsTimes {
         ))
     }
 
-    /// Unpacks one symbol and what it announces: how many sequences further the time is to be found, 0 if it is done.
+    /// Unpacks one symbol and its data; returns the number of sequences to advance to find the time, 0 if done.
     fn follow(&mut self, bytes: &mut ArithmeticDecoder<impl Read>) -> Result<u32> {
         let sequence = &mut self.sequences[self.current];
         if sequence.step == 0 {

@@ -1,11 +1,11 @@
-//! The header of a LAS file, and the records behind it that say more about the points.
+//! The header of a LAS file, and the records after it with more about the points.
 //!
-//! Only what is needed to find and read the points is looked at. Counts of records are claims: they are walked as far
+//! Only the parts needed to find and read the points are parsed. Counts of records are claims: they are followed as far
 //! as the bytes go. The bounding box is not used, as writers get it wrong.
 
 use crate::io::error::Fault;
 
-/// Bytes of the smallest header, that of version 1.0.
+/// Bytes of the smallest header, of version 1.0.
 const MIN_HEADER_BYTES: usize = 227;
 
 /// Bytes of the header of version 1.4, which has wider counts.
@@ -49,7 +49,7 @@ impl Record<'_> {
     }
 }
 
-/// The `N` bytes at `at`. Precondition: they are there.
+/// The `N` bytes at `at`. Precondition: they exist.
 pub(in crate::io) fn take<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
     let mut raw = [0; N];
     raw.copy_from_slice(&bytes[at..at + N]);

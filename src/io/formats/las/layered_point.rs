@@ -1,15 +1,15 @@
-//! The first field of points in layers (formats 6 to 10), `POINT14`: all that every point has.
+//! The first field of points in layers (formats 6 to 10), `POINT14`: the data of every point.
 //!
-//! A *layer* is a stream of bytes that packs one part of all points of a chunk, so that parts nobody wants are passed
-//! over: positions in the plane with returns and channels, heights, classes, flags, intensities, angles, user data,
-//! sources and times. A layer of no bytes says that its part is that of the first point everywhere. The first layer
-//! begins each point with a symbol of what changes. Points are predicted from the last one of the same *scanner
-//! channel*: each of the four has a context, with all that adapts to the points (see [`super::scanner_channel`]); it
-//! begins with the point before when its channel first comes up.
+//! A *layer* is a stream of bytes that packs one part of all points of a chunk, so that unneeded parts can be skipped:
+//! positions in the plane with returns and channels, heights, classes, flags, intensities, angles, user data, sources
+//! and times. An empty layer says that its part is the first point's everywhere. The first layer begins each point with
+//! a symbol of its changes. Points are predicted from the last one of the same *scanner channel*: each of the four has
+//! a context, with all adaptive models (see [`super::scanner_channel`]); it starts from the previous point when its
+//! channel first appears.
 //!
-//! This is here because of the times: those of the crate `laz` overflow the stack (see [`super::gps_times`]), and which
-//! points have a new time, in which context, only the unpacker of the other layers knows. Flags, angles, user data and
-//! sources are always passed over and stay as the first point of the channel has them: no cloud has a place for them.
+//! This is here because of the times: the crate `laz` overflows the stack on them (see [`super::gps_times`]), and only
+//! the decoder of the other layers knows which points have a new time, in which context. Flags, angles, user data and
+//! sources are always skipped and stay as in the first point of the channel: clouds do not store them.
 //!
 //! Source: LAZ Specification 1.4 R1 (rapidlasso), item `POINT14`.
 

@@ -2,8 +2,8 @@
 //!
 //! The crate `laz` unpacks most of it (see [`super::fields`]). It trusts its input: it allocates the sizes of layers
 //! that a chunk claims and may overflow, so sizes are checked here before it sees them, and a panic within it becomes
-//! an error. The table of the chunks may be missing or wrong; the chunks are then found one behind the other, as far as
-//! that goes.
+//! an error. The table of the chunks may be missing or wrong; the chunks are then found one after the other, as far as
+//! possible.
 
 use super::fields::{self, LAYERED_VERSION};
 use super::header::{LasHeader, take};
@@ -61,7 +61,7 @@ impl Compression {
         }
         Ok(Self {
             is_layered: items[0].version() >= LAYERED_VERSION,
-            // The first number says how the points are divided into chunks, 1 means not at all.
+            // The first number is the division of points into chunks; 1 means a single one.
             is_single: data.starts_with(&[1, 0]),
             point_bytes: header.point_bytes,
             record,
@@ -110,7 +110,7 @@ impl Compression {
         }
     }
 
-    /// The chunks by the table, if it is there and agrees with the file.
+    /// The chunks by the table, if it exists and agrees with the file.
     fn chunks_of_table(&self, header: &LasHeader, bytes: &[u8]) -> Option<Vec<LazChunk>> {
         let offset_at = |at: usize| {
             let raw = bytes.get(at..at.checked_add(TABLE_OFFSET_BYTES)?)?;
@@ -122,7 +122,8 @@ impl Compression {
             offset_at(header.points_start).or_else(|| offset_at(bytes.len().checked_sub(TABLE_OFFSET_BYTES)?))?;
         let table = bytes.get(table_start..)?;
         let entries = u32::from_le_bytes(take(table.get(..8)?, 4)) as usize;
-        // The crate allocates whatever the table claims. However well they compress, entries are no more than points.
+        // The crate allocates any size that the table claims. However well they compress, there are at most as many
+        // entries as points.
         if entries > bytes.len() / self.point_bytes + 1 {
             return None;
         }
@@ -156,7 +157,7 @@ impl Compression {
         (left == 0).then_some(chunks)
     }
 
-    /// The chunks of layered points, each of which says how long it is.
+    /// The chunks of layered points, each of which has its length.
     fn chunks_in_a_row(
         &self,
         bytes: &[u8],
@@ -237,7 +238,7 @@ impl Compression {
         Ok(rows)
     }
 
-    /// Chunks of which only the first one's start is known: each begins where the one before it ends.
+    /// Chunks with only the first one's start known: each begins where the one before it ends.
     fn unpack_running(
         &self,
         bytes: &[u8],

@@ -1,7 +1,7 @@
 //! ASPRS LAS 1.0 to 1.4 with point formats 0 to 10, compressed (LAZ) and cloud-optimised (COPC).
 //!
-//! Header and points have a fixed layout and are read here: it takes one pass over the bytes, and what is wrong in them
-//! but not needed (bounding boxes, counts of records) does no harm. The compression is the crate's but for some fields,
+//! Header and points have a fixed layout and are read here: it takes one pass over the bytes, and wrong values that are
+//! not needed (bounding boxes, counts of records) do no harm. The compression is the crate's except for some fields,
 //! see [`laz`].
 
 mod copc;
@@ -167,7 +167,7 @@ fn warn_of_levels(points: u64, header: &LasHeader, options: &ReadOptions) {
     );
 }
 
-/// The chunks of as many levels as `fits` their points and their packed bytes, from the coarsest on, and the number of
+/// The chunks of all levels, from the coarsest on, whose points and packed bytes satisfy `fits`, and the number of
 /// these points.
 fn coarse(levels: Vec<Vec<LazChunk>>, fits: impl Fn(u64, u64) -> bool) -> (Vec<LazChunk>, u64) {
     let mut chunks = Vec::new();

@@ -138,7 +138,7 @@ enum FieldBits {
     I8(usize),
     U16(usize),
     I16(usize),
-    /// So many bits of a byte, from this one on.
+    /// A range of bits of a byte.
     Bits {
         byte: usize,
         shift: u8,

@@ -29,7 +29,7 @@ pub(super) fn find<'a, T>(
 pub(super) struct GeoKeys<'a>(&'a [u8]);
 
 impl GeoKeys<'_> {
-    /// The value of the key `wanted`, if it stands in the key itself.
+    /// The value of the key `wanted`, if it is stored in the key itself.
     pub(super) fn value(&self, wanted: u16) -> Option<u16> {
         let (keys, _) = self.0.as_chunks::<8>();
         let number = |key: &[u8; 8], index: usize| u16::from_le_bytes(take(key, 2 * index));

@@ -1,10 +1,10 @@
 //! Prediction context of the layered points of one scanner channel (see [`super::layered_point`]): its last point, and
 //! all models that adapt to its points.
 //!
-//! A symbol encodes what changes, in the context of what kind of return the last one was. Steps in the plane are
-//! predicted by the median of those between similar returns, heights by the last return at the same distance from the
-//! end of its pulse, classes by the last one, and intensities by that of the last similar return. For steps and
-//! intensities, returns are similar only if both or none of them have a new time, and thus begin a pulse.
+//! A symbol encodes the changes, in the context of the kind of the last return. Steps in the plane are predicted by the
+//! median step between similar returns, heights by the last return at the same distance from the end of its pulse,
+//! classes by the last one, and intensities by the last similar return. For steps and intensities, returns are similar
+//! only if both or none of them have a new time, and thus begin a pulse.
 //!
 //! Source: LAZ Specification 1.4 R1 (rapidlasso), item `POINT14`.
 
@@ -87,7 +87,7 @@ const Y_BITS: u32 = 20;
 const Z_BITS: u32 = 18;
 
 impl Channel {
-    /// That of the first point of a chunk.
+    /// The context of the first point of a chunk.
     pub(super) fn new(point: [u8; POINT_BYTES]) -> Self {
         let model = |symbols| ArithmeticModelBuilder::new(symbols).build();
         let integer = |bits, contexts| {

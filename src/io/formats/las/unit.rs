@@ -1,5 +1,5 @@
-//! The unit of coordinates, as far as the coordinate reference system says it in plain words: a key of `GeoTIFF`, or
-//! the unit of a projection in well-known text. Codes of the EPSG registry are not looked up.
+//! The unit of coordinates, as far as the coordinate reference system states it explicitly: a key of `GeoTIFF`, or the
+//! unit of a projection in well-known text. Codes of the EPSG registry are not looked up.
 
 use super::header::Record;
 use super::reference_system::{self, GeoKeys, metres_of_unit};

@@ -53,7 +53,7 @@ struct Windows<'a> {
 }
 
 impl<'a> Windows<'a> {
-    /// With the head of the file; `None` where there is no memory for that.
+    /// Opens it with the head of the file; `None` where memory does not suffice for that.
     fn open(file: &'a mut File, length: u64, options: ReadOptions) -> io::Result<Option<Self>> {
         let Ok(length) = usize::try_from(length) else {
             return Ok(None);

@@ -1,9 +1,9 @@
-//! Writing LAS 1.4 with point format 6, or 7 with colours, compressed (LAZ) or not. Scalar fields that the format has
-//! no place for, or whose numbers do not fit it, are extra bytes under their own names.
+//! Writing LAS 1.4 with point format 6, or 7 with colours, compressed (LAZ) or not. Scalar fields without a place in
+//! the format, or whose numbers do not fit it, are extra bytes under their own names.
 //!
 //! Coordinates are integers in the file. Each axis gets the coarsest decimal scale, a thousandth or finer, at which no
 //! coordinate loses a digit that it has: files that came from integers go back to the same ones and compress well, and
-//! single precision is kept to its last bit. Where no scale does that, it is the finest at which the extent fits 32
+//! single precision is retained to its last bit. Where no scale does that, it is the finest at which the extent fits 32
 //! bits.
 
 use super::write_fields::{self, ExtraBytes, StandardFields};
@@ -32,7 +32,7 @@ impl Axis {
     /// More than coordinates of double precision have.
     const MAX_DIGITS: i32 = 15;
 
-    /// The scale for `coordinates` from `min` to `max`, each of which is known to `precision` times itself.
+    /// The scale for `coordinates` from `min` to `max`, each with the relative error `precision`.
     fn new(min: f64, max: f64, precision: f64, coordinates: &(impl Iterator<Item = f64> + Clone)) -> Self {
         let mut digits = Self::MIN_DIGITS;
         while Self::fitting(digits, min, max).is_none() && digits > -300 {
@@ -55,7 +55,7 @@ impl Axis {
         axis
     }
 
-    /// The axis with so many digits if the extent fits it: without an offset if that does, else with one between the
+    /// The axis with this many digits if the extent fits it: without an offset if possible, else with one between the
     /// two.
     fn fitting(digits: i32, min: f64, max: f64) -> Option<Self> {
         let center = (min / 2.0 + max / 2.0).round();

@@ -109,8 +109,8 @@ impl<'a> StandardFields<'a> {
         rows.extend(if time.is_finite() { time } else { 0.0 }.to_le_bytes());
     }
 
-    /// Returns the number of points per return number, of `total` of which `finite` are written. Without returns all
-    /// are first ones.
+    /// Returns the number of points per return number; `finite` of `total` points are written. Without returns all are
+    /// first ones.
     pub(super) fn return_counts(&self, total: usize, finite: u64) -> [u64; 15] {
         let mut counts = [0; 15];
         match self.return_number {
@@ -127,7 +127,7 @@ impl<'a> StandardFields<'a> {
     }
 }
 
-/// The fields that have no place of their own.
+/// The fields without their own place in the format.
 #[derive(Debug)]
 pub(super) struct ExtraBytes<'a> {
     fields: Vec<&'a ScalarField>,

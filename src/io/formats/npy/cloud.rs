@@ -44,7 +44,7 @@ const POSITIONS: [&str; 19] = [
 const COLORS: [&str; 7] = ["rgb", "rgba", "color", "colors", "colour", "colours", "rgb_colors"];
 const NORMALS: [&str; 2] = ["normals", "normal"];
 
-/// Numbers that are kept of a field of records: more than the longest descriptors have.
+/// Max numbers of a field of records: more than the longest descriptors have.
 const MAX_ENTRIES: usize = 2048;
 
 /// Bytes that deflate makes of one at most.
@@ -90,13 +90,13 @@ pub(in crate::io) fn decode_archive(bytes: &[u8], part: &Part, options: &ReadOpt
     cloud_of_archive(&unpacked(bytes, options)?, layer_of(part), options)
 }
 
-/// The array with coordinates: that of a name that is used for them, or the only one.
+/// The array with coordinates: one with a name used for them, or the only one.
 pub(super) fn place_of_positions(arrays: &[NamedArray<'_>]) -> Option<usize> {
     let named = arrays.iter().position(|(name, _)| POSITIONS.contains(&name.as_str()));
     named.or((arrays.len() == 1).then_some(0))
 }
 
-/// Parses the arrays of `members`. Those of words and the like are skipped, unless they are to be the coordinates.
+/// Parses the arrays of `members`. Arrays of words and the like are skipped, unless they are to be the coordinates.
 pub(super) fn parsed(members: &[(String, Vec<u8>)]) -> Result<Vec<NamedArray<'_>>, Fault> {
     let mut arrays = Vec::new();
     let mut first_fault = None;
@@ -332,8 +332,8 @@ pub(super) fn unpacked(bytes: &[u8], options: &ReadOptions) -> Result<Vec<(Strin
         if member.size() > left {
             return Err(Fault::too_large(&format!("array `{name}`"), member.size(), options));
         }
-        // The size is a claim as well: it is believed up to what the packed bytes can expand to, and it limits the
-        // unpacked size.
+        // The size is a claim as well: it is believed up to the maximum expansion of the packed bytes, and it limits
+        // the unpacked size.
         let claimed = member.size();
         let believed = claimed.min(member.compressed_size().saturating_mul(MAX_DEFLATED));
         let mut unpacked = Vec::new();
@@ -352,8 +352,8 @@ pub(super) fn unpacked(bytes: &[u8], options: &ReadOptions) -> Result<Vec<(Strin
     Ok(members)
 }
 
-/// The columns of an array of numbers with a point a row, and how many there are. Of those behind the coordinates
-/// `meaning` says how they were taken.
+/// The columns of an array of numbers with one point per row, and their number. `meaning` describes the interpretation
+/// of those after the coordinates.
 fn table<'a>(
     array: &Array<'a>,
     first: &str,
@@ -417,7 +417,7 @@ fn table<'a>(
     Ok((columns.collect(), count))
 }
 
-/// Gives columns the names that a person says.
+/// Gives columns the names chosen by the user.
 fn name_as_given(names: &mut [String], map: ColumnMap) -> Result<(), Fault> {
     let roles = || map.roles().iter().filter(|(role, _)| role != FRAME_ROLE);
     let width = names.len();
@@ -440,7 +440,7 @@ fn name_as_given(names: &mut [String], map: ColumnMap) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Numbers of a row that are parsed: those that tell what columns are, and those of half precision.
+/// Numbers of a row that are parsed: those that determine the meaning of columns, and half-precision ones.
 fn parsed_numbers_of(array: &Array<'_>, width: usize) -> usize {
     let told_by = width.min(xyz::MAX_GUESSED_COLUMN).saturating_sub(3);
     let halves = matches!(array.kind, ArrayLayout::Table(number) if number.scalar.is_none());

@@ -22,7 +22,7 @@ use std::path::Path;
 /// Headers are shorter: numpy writes no longer ones without being asked.
 const MAX_HEADER_BYTES: u64 = 1 << 16;
 
-/// No more frames are listed; sequences that anybody plays have fewer.
+/// No more frames are listed; real sequences have fewer.
 const MAX_LAYERS: usize = 1_000_000;
 
 /// The arrays of an NPZ file, unpacked, by their names.
@@ -54,11 +54,11 @@ impl Arrays {
     }
 }
 
-/// Larger files are not read to find out what they hold.
+/// Larger files are not read to determine their content.
 const MAX_READ_BYTES: u64 = 1 << 31;
 
 /// The frames of the file at `path`, by the headers of its arrays, and by their values where an array may be an image
-/// of points. What cannot be understood is one frame, which then says why.
+/// of points. An unintelligible file is one frame, which then reports the reason.
 pub(in crate::io) fn list(path: &Path, options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
     let failed = |source| IoError::Io {
         path: path.to_owned(),
@@ -78,7 +78,7 @@ pub(in crate::io) fn list(path: &Path, options: &ReadOptions) -> Result<Vec<Entr
     Ok(entries(layers.filter(|_| !may_be_one || is_one() != Some(true))))
 }
 
-/// The frames of the NPY file at `path`, as those of an archive.
+/// The frames of the NPY file at `path`, as for an archive.
 pub(in crate::io) fn list_array(path: &Path, options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
     let failed = |source| IoError::Io {
         path: path.to_owned(),
@@ -121,7 +121,7 @@ fn entries(layers: Option<usize>) -> Vec<Entry> {
 /// The begin of an array; less where it cannot be read.
 fn head(reader: impl Read) -> Vec<u8> {
     let mut head = Vec::new();
-    // An error ends it: what has been read is then too short for a header.
+    // An error ends it: the bytes read are then too short for a header.
     let _ = reader.take(MAX_HEADER_BYTES).read_to_end(&mut head);
     head
 }

@@ -1,4 +1,4 @@
-//! An array of a file: what its header says, and the columns in its bytes.
+//! An array of a file: its header, and the columns in its bytes.
 
 use crate::binary::{Header, Number};
 use crate::io::columns::column::{Column, Scalar, Values};
@@ -74,7 +74,7 @@ impl<'a> Array<'a> {
         }
     }
 
-    /// Bytes of all entries, if so many can be counted.
+    /// Bytes of all entries; `None` on overflow.
     pub(super) fn claimed_bytes(&self) -> Option<usize> {
         let mut lengths = self.shape.iter();
         lengths.try_fold(self.row_bytes, |bytes, &length| bytes.checked_mul(length))

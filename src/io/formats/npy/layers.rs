@@ -90,8 +90,8 @@ pub(super) fn assume_frames(arrays: &[NamedArray<'_>], places: &[usize]) -> Assu
     .with_option(None)
 }
 
-/// Takes one layer of each array that has as many as there are frames, of as many entries as the array of positions at
-/// `place`; says how many there are, and that they are frames. `None` if the positions have no layers.
+/// Takes one layer of each array with one per frame and the entry count of the positions at `place`; returns the number
+/// of layers, and that they are frames. `None` if the positions have no layers.
 pub(super) fn take_layer(
     arrays: &mut [NamedArray<'_>],
     place: usize,

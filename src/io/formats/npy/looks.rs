@@ -13,10 +13,10 @@ use crate::io::columns::column_map::ColumnMap;
 use crate::io::columns::likeness::{is_camera_matrix, is_grid, poses};
 use crate::io::error::Fault;
 
-/// Images and volumes have at least so many pixels along each side.
+/// Minimum pixels along each side of images and volumes.
 const MIN_SIDE: usize = 8;
 
-/// Rows and columns that are looked at.
+/// Number of examined rows and columns.
 const SAMPLED_ROWS: usize = 32;
 const SAMPLED_COLUMNS: usize = 64;
 
@@ -26,7 +26,7 @@ pub(super) fn shape_text(shape: &[usize]) -> String {
     sides.join(" × ")
 }
 
-/// Fails for an array that is no points. A person who names `columns` knows better where a table has rows of points.
+/// Fails for an array that is not points. A user who names `columns` knows better if a table has rows of points.
 pub(super) fn refuse(array: &Array<'_>, columns: Option<ColumnMap>) -> Result<(), Fault> {
     let ArrayLayout::Table(number) = array.kind else {
         return Ok(());
@@ -166,7 +166,7 @@ pub(super) fn take_point_map(
 }
 
 fn can_be_point_map(array: &Array<'_>) -> bool {
-    /// Larger ones are not read to list what a file holds.
+    /// Larger ones are not read to list the content of a file.
     const MAX_BYTES: usize = 1 << 30;
     let ArrayLayout::Table(_) = array.kind else {
         return false;

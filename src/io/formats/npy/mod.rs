@@ -1,12 +1,12 @@
 //! Arrays of numpy: NPY, one array, and NPZ, a ZIP archive of named ones.
 //!
-//! The header is read by `binary`, as cameras in arrays have the same (`photos`). Numbers stay where they are in the
-//! file, whatever their type, byte order and order of rows and columns.
+//! The header is read by `binary`, as cameras in arrays have the same (`photos`). Numbers are read in place, whatever
+//! their type, byte order and order of rows and columns.
 //!
 //! An array of T × N × 3 is a sequence, and so are arrays whose names differ in their numbers alone, as
 //! `numpy.savez(file, *frames)` names them. One of H × W × 3 whose rows are strips of a scene is an image of points
-//! ([`looks`]). Folders may have a hundred thousand NPY files: whoever lists these opens
-//! none of them unless the first one holds a sequence.
+//! ([`looks`]). Folders may have a hundred thousand NPY files: listing these opens none of them unless the first one
+//! holds a sequence.
 
 use crate::io::format::{Format, Holding, Magic, Traits};
 

@@ -1,12 +1,11 @@
-//! Entries of an OBJ file, counted before they are read: what there is to be memory for.
+//! Entries of an OBJ file, counted before they are read, to claim their memory.
 //!
-//! Nothing in the file says how many there are, and lists that double as lines come take up to three times of what they
-//! hold in the end.
+//! The file does not have their number, and lists that double as lines come take up to three times their final size.
 
 use crate::io::error::Fault;
 use crate::io::options::ReadOptions;
 
-/// At least as many of each as there are.
+/// Upper bounds of the number of each.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Counts {
     pub(super) vertices: usize,
@@ -60,13 +59,13 @@ impl Counts {
     /// Bytes that all of them take.
     ///
     /// # Errors
-    /// There is no memory for them.
+    /// Memory does not suffice for them.
     pub(super) fn claim(&self, options: &ReadOptions) -> Result<usize, Fault> {
         /// Coordinates and colours in double precision, the colour and the normal in the cloud.
         const VERTEX_BYTES: usize = 24 + 24 + 4 + 12;
         const NORMAL_BYTES: usize = 12;
         const PLACE_BYTES: usize = 8;
-        /// Corners and their places in a picture, a list that doubles.
+        /// Corners and their texture coordinates, a list that doubles.
         const TRIANGLE_BYTES: usize = 12 + 2 * 12;
         /// Lists of corners and of their places, which double.
         const CORNER_BYTES: usize = 2 * 2 * 4;

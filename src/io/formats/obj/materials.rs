@@ -15,17 +15,17 @@ use std::path::Path;
 /// Appearance of a face.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Paint {
-    /// One colour: `Kd`. White where the material says nothing, or is not there.
+    /// One colour: `Kd`. White where the material has none, or is missing.
     Color([u8; 4]),
-    /// The picture of this number among those of [`Materials::textures`]: `map_Kd`. `Kd`, which many programs write
-    /// anyhow, does not dim it.
+    /// The image of this index in [`Materials::textures`]: `map_Kd`. `Kd`, which many programs write anyhow, does not
+    /// dim it.
     Picture(u32),
 }
 
 /// Materials of a file.
 #[derive(Debug, Default)]
 pub(super) struct Materials {
-    /// In the order in which they were asked for.
+    /// In the order of their first use.
     pub(super) paints: Vec<Paint>,
     pub(super) textures: Textures,
     pub(super) warnings: Vec<String>,
@@ -67,10 +67,10 @@ impl Paint {
 /// Progress of reading the materials.
 struct Reading<'a> {
     file: &'a Encoded<'a>,
-    /// Memory that pictures may still take.
+    /// Remaining memory for images.
     left_bytes: u64,
     pictures: Vec<RgbaImage>,
-    /// The number of each picture by its name in the library; none of those that cannot be read.
+    /// The index of each image by its name in the library; none for unreadable ones.
     numbers: HashMap<String, Option<u32>>,
     warnings: Vec<String>,
 }
@@ -133,8 +133,8 @@ impl Reading<'_> {
         picture::decode(&bytes, self.left_bytes).map_err(|error| format!("`{name}`: {error}"))
     }
 
-    /// Returns the bytes of the named file, or, where the name leads elsewhere, those of the file next to the OBJ file
-    /// with the last component of the name: programs write the paths of the machine that they ran on.
+    /// Returns the bytes of the named file, or, if it is elsewhere, of the file next to the OBJ file with the last
+    /// component of the name: programs write the paths of the machine that they ran on.
     fn bytes_sidecar(&self, name: &str) -> Result<Vec<u8>, String> {
         let read = |name: &str| sidecars::read(name, self.file.name, self.left_bytes, self.file.options);
         let name = name.replace('\\', "/");

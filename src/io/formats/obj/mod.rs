@@ -1,8 +1,8 @@
-//! OBJ of Wavefront: a statement a line; vertices, normals, and faces that name them by number.
+//! OBJ of Wavefront: one statement per line; vertices, normals, and faces that name them by number.
 //!
-//! Read here rather than by a crate: those at hand drop vertices that no face names, which are all of them where an OBJ
-//! file is a cloud, and keep single precision only. Colours stand behind the coordinates of a vertex, or in the
-//! material of a face (`materials.rs`), which may have a picture (`surface.rs`).
+//! Read here rather than by a crate: the available ones drop vertices that no face names, which are all of them where
+//! an OBJ file is a cloud, and retain single precision only. Colours follow the coordinates of a vertex, or are in the
+//! material of a face (`materials.rs`), which may have a texture (`surface.rs`).
 
 mod counts;
 mod materials;
@@ -29,7 +29,7 @@ pub(in crate::io) const FORMAT: Format = Format::new(&Traits {
     ..Traits::PLAIN
 });
 
-/// Lines between two looks at whether the model is still wanted.
+/// Lines between two checks for cancellation.
 const LINES_AT_ONCE: usize = 1 << 14;
 
 pub(in crate::io) fn decode(file: &Encoded<'_>) -> Result<RawCloud, Fault> {

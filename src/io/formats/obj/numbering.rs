@@ -1,6 +1,6 @@
 //! Element numbering: references of statements to elements defined before them.
 
-/// The index of what `word` names among `count`, if it is there. Numbers count from 1, negative ones backwards from the
+/// The index that `word` names among `count`, if it exists. Numbers count from 1, negative ones backwards from the
 /// last.
 pub(super) fn resolve(word: &[u8], count: usize) -> Option<usize> {
     let number: i64 = std::str::from_utf8(word).ok()?.parse().ok()?;

@@ -12,13 +12,13 @@ use std::collections::HashMap;
 use std::mem;
 use std::sync::Arc;
 
-/// A corner without a place in a picture.
+/// A corner without texture coordinates.
 const NO_PLACE: u32 = u32::MAX;
 
 /// Corners of the faces read so far, and their materials.
 #[derive(Default)]
 pub(super) struct Corners {
-    /// Texture coordinates as they stand in the file: to the right, and upwards.
+    /// Texture coordinates as stored in the file: to the right, and upwards.
     places: Vec<[f32; 2]>,
     /// Indices of the texture coordinates of each corner of each face; shorter than the list of faces if no more of
     /// them have any.
@@ -34,7 +34,7 @@ pub(super) struct Corners {
     libraries: Vec<String>,
 }
 
-/// A vertex of a cloud with pictures: a vertex of the file, on faces of one material, with one place in its picture.
+/// A vertex of a textured cloud: a vertex of the file, on faces of one material, with one texture coordinate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 struct Corner {
     vertex: u32,
@@ -44,7 +44,7 @@ struct Corner {
 }
 
 impl Corners {
-    /// No corners yet, with room for places.
+    /// No corners yet, with capacity for texture coordinates.
     pub(super) fn with_capacity(counts: &Counts) -> Self {
         Self {
             places: Vec::with_capacity(counts.places),
@@ -74,7 +74,7 @@ impl Corners {
         self.polygon.clear();
     }
 
-    /// A corner whose place is `word`, counted as vertices are. Places that are not there are none.
+    /// Appends a corner with the texture coordinate `word`, numbered like vertices. Numbers out of range count as none.
     pub(super) fn push_corner(&mut self, word: &[u8]) {
         let place = resolve(word, self.places.len());
         self.polygon.push(place.map_or(NO_PLACE, |place| place as u32));
@@ -88,7 +88,7 @@ impl Corners {
         self.faces += self.polygon.len().saturating_sub(2);
     }
 
-    /// Gives the vertices of `cloud`, which has all the faces, what the materials of the faces say.
+    /// Applies the materials of the faces to the vertices of `cloud`, which has all the faces.
     pub(super) fn put_on(self, cloud: &mut RawCloud, file: &Encoded<'_>) -> Result<(), Fault> {
         /// A corner, its number, and the place of both in an index.
         const SPLIT_BYTES: usize = 80;
@@ -138,8 +138,7 @@ impl Corners {
         }
     }
 
-    /// A vertex that is on faces of several materials, or has several places in their pictures, becomes as many. Those
-    /// of no face stay.
+    /// Splits vertices on faces of several materials, or with several texture coordinates. Vertices of no face stay.
     fn split(&self, cloud: &mut RawCloud, materials: Materials) {
         let faces = mem::take(&mut cloud.faces);
         let mut numbers = HashMap::new();

@@ -1,4 +1,4 @@
-//! Materials and pictures: what lies on the faces of constructed models.
+//! Materials and textures on the faces of constructed models.
 
 use crate::cloud::RawCloud;
 use crate::io::{Part, ReadOptions, read_part};
@@ -7,8 +7,8 @@ use std::fs;
 use std::num::NonZeroUsize;
 use tempfile::TempDir;
 
-/// A square from (0, 0) to (1, 1) with the whole of a picture on it, a vertex that no face names, and a triangle far
-/// away that shares a corner with the square and is of another material.
+/// A square from (0, 0) to (1, 1) with a whole image on it, a vertex that no face names, and a triangle far away that
+/// shares a corner with the square and has another material.
 const MODEL: &str = "mtllib colors.mtl\n\
     v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 9 9 9\nv 5 0 0\nv 5 5 0\n\
     vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
@@ -24,8 +24,8 @@ const BLUE: [u8; 4] = [0, 0, 255, 255];
 const GREY: [u8; 4] = [128, 128, 128, 255];
 const IRON: [u8; 4] = [51, 102, 153, 255];
 
-/// A folder with the model, and with its library and its picture unless these are to be missing. The upper row of the
-/// picture is red and green, the lower one blue and grey, each 8 pixels wide.
+/// A folder with the model, and with its library and its image unless these are to be missing. The upper row of the
+/// image is red and green, the lower one blue and grey, each 8 pixels wide.
 fn folder(library: Option<&str>, has_picture: bool) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("model.obj"), MODEL).unwrap();

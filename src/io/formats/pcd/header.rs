@@ -1,8 +1,8 @@
 //! The header of a PCD file: lines of a keyword and its values, up to `DATA`.
 //!
-//! It is read here and not by the crate `pcd-rs`, whose errors do not say the line, and which takes fields of no
-//! numbers for fields of one. What other programs add to the format (lines of their own, fields of types without a
-//! name, wrong counts of points) is skipped with a warning wherever the points can be read without it.
+//! It is read here and not by the crate `pcd-rs`, whose errors lack the line, and which takes fields of no numbers for
+//! fields of one. Additions of other programs to the format (lines of their own, fields of types without a name, wrong
+//! counts of points) are skipped with a warning wherever the points can be read without it.
 
 use crate::io::columns::column::Scalar;
 use crate::io::columns::numbers::quoted;
@@ -13,7 +13,7 @@ use glam::DVec3;
 /// Longer headers are not believed to be headers.
 const MAX_HEADER_BYTES: usize = 1 << 20;
 
-/// Numbers of a point that are kept: more than the longest descriptors have.
+/// Max numbers of a point: more than the longest descriptors have.
 const MAX_NUMBERS: usize = 4096;
 
 /// The name of bytes that mean nothing.
@@ -41,7 +41,7 @@ pub(super) struct Header {
     pub(super) encoding: Encoding,
     /// Bytes up to the points.
     pub(super) byte_size: usize,
-    /// Warnings about what was skipped or renamed, one clause each with its line.
+    /// Warnings about skipped or renamed fields, one clause each with its line.
     pub(super) warnings: Vec<String>,
 }
 
@@ -49,11 +49,11 @@ pub(super) struct Header {
 #[derive(Debug, Clone)]
 pub(super) struct PcdField {
     pub(super) name: String,
-    /// `None` for padding, and what is skipped like it.
+    /// `None` for padding, and fields skipped like it.
     pub(super) scalar: Option<Scalar>,
     /// Bytes of a number.
     pub(super) number_bytes: usize,
-    /// Numbers of a point; 0 where the file says so, which old converters mean as 1.
+    /// Numbers of a point; may be 0 in the file, which old converters mean as 1.
     pub(super) count: usize,
 }
 
@@ -79,7 +79,7 @@ struct Lines {
 
 impl Header {
     pub(super) fn parse(bytes: &[u8]) -> Result<Self, Fault> {
-        // Not `pcd-rs`: it took 78 ms for what takes 0.4 ms here, allocated the sizes that a compressed block claims,
+        // Not `pcd-rs`: it took 78 ms for a task of 0.4 ms here, allocated the sizes that a compressed block claims,
         // and its errors did not name the line.
         let mut lines = Lines::default();
         let mut warnings = Vec::new();
@@ -161,7 +161,7 @@ impl Line {
         })
     }
 
-    /// Fails unless there are as many values as there are `fields`.
+    /// Fails unless there is one value per entry of `fields`.
     fn check_length(&self, keyword: &str, fields: &Line) -> Result<(), Fault> {
         let (found, expected) = (self.words.len(), fields.words.len());
         if found == expected {
@@ -175,7 +175,7 @@ impl Line {
     }
 }
 
-/// As many of the names as anybody reads.
+/// The first few of the names.
 fn shortened(names: &[String]) -> String {
     const MAX: usize = 32;
     let more = if names.len() > MAX { " …" } else { "" };
@@ -232,7 +232,7 @@ impl Lines {
         })
     }
 
-    /// The position of the viewpoint; one that is not understood says nothing.
+    /// The position of the viewpoint; an unintelligible one is ignored.
     fn viewpoint(&self, warnings: &mut Vec<String>) -> DVec3 {
         let Some(line) = &self.viewpoint else {
             return DVec3::ZERO;
@@ -250,7 +250,7 @@ impl Lines {
         DVec3::ZERO
     }
 
-    /// The quaternion of the viewpoint, if it turns anything.
+    /// The quaternion of the viewpoint, unless it is the identity.
     fn rotation(&self) -> Option<[f64; 4]> {
         let words = &self.viewpoint.as_ref()?.words;
         let numbers: Vec<f64> = words.iter().map_while(|word| word.parse().ok()).collect();

@@ -24,7 +24,7 @@ const MAX_LZF_RATIO: usize = 88;
 /// The crate counts the bytes of a block in an i32.
 const MAX_LZF_BYTES: usize = i32::MAX as usize;
 
-/// More lines that are no points are a damaged file.
+/// A file with more lines that are not points is damaged.
 const MAX_ODD_ROWS: usize = 16;
 
 /// Point Cloud Library: ascii, binary, compressed.
@@ -36,7 +36,7 @@ pub(in crate::io) const FORMAT: Format = Format::new(&Traits {
     ..Traits::PLAIN
 });
 
-/// The first line that is no comment begins with VERSION, or with FIELDS as some writers leave VERSION out.
+/// The first line that is not a comment begins with VERSION, or with FIELDS as some writers omit VERSION.
 fn begins_like_pcd(bytes: &[u8]) -> bool {
     bytes[..bytes.len().min(Format::MAGIC_BYTES)]
         .split(|&byte| byte == b'\n')
@@ -94,7 +94,7 @@ pub(in crate::io) fn normals(bytes: &[u8], options: &ReadOptions, progress: &Pro
     )
 }
 
-/// Names of what each point has in a file that begins with `head`.
+/// Names of the point attributes in a file that begins with `head`.
 pub(in crate::io) fn point_names(head: &[u8]) -> Option<Vec<String>> {
     let header = Header::parse(head).ok()?;
     let fields = header.fields.into_iter();
@@ -133,13 +133,13 @@ struct Number {
     scalar: Scalar,
     /// Bytes before it in a row.
     offset: usize,
-    /// Bytes before its field in a row, and those of the field.
+    /// Bytes before its field in a row, and bytes of the field.
     field_offset: usize,
     field_bytes: usize,
 }
 
 impl Table {
-    /// Fields that have no numbers by the header take no bytes in `payload`, unless there is room for one of each: old
+    /// Fields that have no numbers by the header take no bytes in `payload`, unless there is space for one of each: old
     /// converters counted none where they wrote one.
     fn new(header: &Header, payload: &[u8]) -> Result<Self, Fault> {
         let as_written = Self::of(header, header.fields.clone())?;
@@ -210,7 +210,7 @@ impl Table {
             })
     }
 
-    /// The numbers of a row but for padding: of fields with several each by itself.
+    /// The numbers of a row but for padding: with separate entries for fields with several.
     fn numbers(&self) -> Vec<Number> {
         let mut numbers = Vec::new();
         let mut field_offset = 0;
@@ -306,8 +306,8 @@ impl Table {
         Ok(block)
     }
 
-    /// The columns of points as text, and what is odd in it. A line that is no point is a missing one, or is skipped
-    /// where the others are as many as the header says.
+    /// The columns of points as text, and its oddities. A line that is not a point is a missing one, or is skipped
+    /// where the others match the count in the header.
     fn ascii(
         &self,
         payload: &[u8],
@@ -447,8 +447,8 @@ fn grid(header: &Header) -> Option<ImageGrid> {
     ImageGrid::of(side(header.width)?, side(header.height)?, point_count)
 }
 
-/// Most writers leave the viewpoint at the origin, which says nothing, unless the points still lie in the grid of the
-/// camera that took them.
+/// Most writers leave the viewpoint at the origin, which is not informative unless the points still lie in the grid of
+/// the camera that took them.
 fn sensor(header: &Header) -> Option<DVec3> {
     let position = header.viewpoint;
     let is_organised = header.height > 1;

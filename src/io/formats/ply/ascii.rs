@@ -1,7 +1,7 @@
 //! Rows of numbers as text.
 //!
 //! A row is as many numbers as its element has properties, whatever line they are on: writers break lines as they like.
-//! Only where something in a row is no number do lines tell what is meant: the row, or a line that is none.
+//! Only where a row has a non-number do lines decide: either the row is bad, or a line does not belong to any.
 
 use super::faces::{FaceList, Faces};
 use super::header::{Element, PlyHeader, Property, PropertyKind};
@@ -12,11 +12,10 @@ use crate::io::error::{Fault, Place};
 use crate::io::options::ReadOptions;
 use crate::progress::Progress;
 
-/// More rows that are no numbers are a damaged file.
+/// A file with more non-numeric rows is damaged.
 const MAX_ODD_ROWS: usize = 16;
 
-/// The columns of `vertex`, the triangles and what is odd in the file `bytes`, of whose elements the first are
-/// `elements`.
+/// The columns of `vertex`, the triangles and the oddities of the file `bytes`, whose first elements are `elements`.
 pub(super) fn read(
     bytes: &[u8],
     header: &PlyHeader,
@@ -53,7 +52,7 @@ pub(super) fn read(
         }
         let claim = check_ascii_claim(element, payload);
         let read = match claim {
-            // Faces are read as far as they are there.
+            // Faces are read as far as present.
             Err(_) if FaceList::of(element).is_none() => claim,
             claim => others(&mut tokens, element, &mut faces, progress).map_err(|fault| fault.explained_by(claim)),
         };
@@ -97,8 +96,8 @@ fn others(tokens: &mut Tokens<'_>, element: &Element, faces: &mut Faces, progres
     Ok(())
 }
 
-/// The columns of the points, behind which are `rows_behind` rows of other elements. A row that is no numbers is a
-/// missing point, or a line of no row, by the number of lines behind it.
+/// The columns of the points, followed by `rows_behind` rows of other elements. A non-numeric row is a missing point,
+/// or a line outside of any row, depending on the number of lines after it.
 fn vertices(
     tokens: &mut Tokens<'_>,
     vertex: &Element,
@@ -155,14 +154,14 @@ fn point(tokens: &mut Tokens<'_>, vertex: &Element, row: usize, retained: &mut R
     Ok(())
 }
 
-/// A number as text takes a digit and what separates it from the next.
+/// A number as text takes a digit and a separator.
 fn check_ascii_claim(element: &Element, payload: &[u8]) -> Result<(), Fault> {
     const MIN_NUMBER_BYTES: usize = 2;
     // The last number need not be followed by anything.
     element.check_claim(element.properties.len() * MIN_NUMBER_BYTES, payload.len() + 1)
 }
 
-/// Steps over a property of a row, of which each item is handed over if it is a list; the value, if it is none.
+/// Steps over a property of a row, handing over each item if it is a list; returns the value if it is not.
 fn ascii_step(
     tokens: &mut Tokens<'_>,
     property: &Property,

@@ -188,7 +188,7 @@ impl<'a> Cursor<'a> {
         Ok(())
     }
 
-    /// Steps over a property of a row; the value, if it is no list.
+    /// Steps over a property of a row; returns the value if it is not a list.
     fn step(&mut self, property: &Property, list: &str, row: usize) -> Result<Option<f64>, Fault> {
         match property.kind {
             PropertyKind::Scalar(scalar) => self.number(scalar, list, row).map(Some),

@@ -7,7 +7,7 @@ use super::retained_columns::POINTS;
 use super::splats::is_unread;
 use crate::cloud::Dropped;
 
-/// Returns the properties that are not kept, of all elements that have rows.
+/// Returns the dropped properties of all elements that have rows.
 pub(super) fn dropped(header: &PlyHeader) -> Vec<Dropped> {
     let filled = header.elements.iter().filter(|element| element.count > 0);
     filled.filter_map(of_element).collect()
@@ -29,7 +29,7 @@ fn of_element(element: &Element) -> Option<Dropped> {
     (!names.is_empty()).then(|| Dropped::noted(format!("{what} are not read: {}", names.join(", "))))
 }
 
-/// Returns the properties of splats, which are points here, that are not kept.
+/// Returns the dropped properties of splats, which are points here.
 pub(super) fn dropped_of_splats(header: &PlyHeader) -> Option<Dropped> {
     let vertex = header.elements.iter().find(|element| element.name == POINTS)?;
     let unread = vertex.properties.iter().filter(|property| is_unread(&property.name));

@@ -38,7 +38,7 @@ pub(super) struct Faces {
     list: Vec<u32>,
     /// Why that list cannot be used.
     fault: Option<Fault>,
-    /// There is no memory for that list.
+    /// Memory does not suffice for that list.
     lacks_memory: Option<Fault>,
     broken: BrokenFaces,
 }
@@ -112,7 +112,7 @@ impl Faces {
     /// The list is complete.
     ///
     /// # Errors
-    /// There is no memory for its triangles.
+    /// Memory does not suffice for its triangles.
     pub(super) fn end_list(&mut self, kind: FaceList) -> Result<(), Fault> {
         if let Some(fault) = self.lacks_memory.take() {
             return Err(fault);
@@ -135,7 +135,7 @@ impl Faces {
         size_of_val(self.triangles.as_slice())
     }
 
-    /// Gives `cloud` those that can be used, and says in its warnings which cannot.
+    /// Adds usable faces to `cloud`, and warnings about the others.
     pub(super) fn put_into(self, cloud: &mut RawCloud) {
         self.broken.put_into(self.triangles, cloud);
     }

@@ -88,7 +88,7 @@ impl PlyHeader {
     }
 }
 
-/// Returns the message about elements of which two have the same name.
+/// Returns the message about two elements with the same name.
 fn same_name(declared: &[&str]) -> String {
     let names = declared.iter().filter_map(|line| line.split_whitespace().nth(1));
     let mut seen = HashSet::new();
@@ -122,7 +122,7 @@ fn first_line(bytes: &[u8]) -> &[u8] {
 struct Original {
     name: String,
     line: usize,
-    /// Its type, or that of the items of a list, where the grammar does not know it: there it is a double.
+    /// The type of it or of its list items where the grammar does not know it: there it is a double.
     long: Option<Scalar>,
 }
 
@@ -179,8 +179,8 @@ impl HeaderText {
         ))
     }
 
-    /// A line without what the grammar does not know but writers write: space around it, empty lines, comments in any
-    /// encoding, and names of properties with signs and spaces (`scalar_C2C absolute distances (mm)`).
+    /// A line without variations of writers that the grammar does not know: space around it, empty lines, comments in
+    /// any encoding, and names of properties with special characters and spaces (`scalar_C2C absolute distances (mm)`).
     fn lenient_line(&mut self, line: &[u8], number: usize) -> String {
         let text = String::from_utf8_lossy(line.trim_ascii());
         let words: Vec<&str> = text.split_ascii_whitespace().collect();
@@ -305,7 +305,7 @@ impl Element {
             .sum()
     }
 
-    /// Fails when `available` bytes cannot hold as many rows of `row_bytes` as the header claims.
+    /// Fails if `available` bytes cannot hold the claimed number of rows of `row_bytes`.
     pub(super) fn check_claim(&self, row_bytes: usize, available: usize) -> Result<(), Fault> {
         match self.count.checked_mul(row_bytes) {
             Some(needed) if needed <= available => Ok(()),

@@ -1,9 +1,8 @@
 //! PLY: a header of elements with typed properties, then their rows as text or binary.
 //!
-//! The header's lines are read by `ply-rs-bw`; of the payload the columns of the `vertex` element are kept and the
-//! triangles of the `face` and `tristrips` elements, all else is stepped over without being stored, and what comes
-//! behind these is not looked at. What is broken behind the points costs faces, not points: these are shown, with a
-//! warning.
+//! The header's lines are read by `ply-rs-bw`; of the payload the columns of the `vertex` element and the triangles of
+//! the `face` and `tristrips` elements are stored, everything else is skipped, and data after these is not read. Damage
+//! after the points costs faces, not points: these are shown, with a warning.
 
 mod ascii;
 mod binary;
@@ -78,7 +77,7 @@ pub(in crate::io) fn normals(bytes: &[u8], options: &ReadOptions, progress: &Pro
     attributes::normals(&rows.columns, rows.count)
 }
 
-/// Names of what each point has in a file that begins with `head`.
+/// Names of the point attributes in a file that begins with `head`.
 pub(in crate::io) fn point_names(head: &[u8]) -> Option<Vec<String>> {
     let mut elements = PlyHeader::parse(head).ok()?.elements.into_iter();
     let vertex = elements.find(|element| element.name == POINTS)?;

@@ -119,9 +119,9 @@ impl<'a> MovingSplats<'a> {
     }
 }
 
-/// Says so where fields of `cloud` are of splats that move in another way.
+/// Warns if fields of `cloud` belong to splats with an unsupported motion model.
 pub(super) fn warn_of_unknown(cloud: &mut RawCloud) {
-    /// More is not read by anybody.
+    /// Max number of names in the message.
     const MAX_NAMED: usize = 3;
     let is_moving = |name: &&&str| cloud.attributes.scalars.iter().any(|field| field.name == ***name);
     let names = OF_OTHERS.iter().filter(is_moving).take(MAX_NAMED);

@@ -1,4 +1,4 @@
-//! The columns that are kept of points: all but lists, and of splats those that nothing is made of.
+//! The retained columns of points: all but lists, and of splats those that are not converted.
 
 use super::header::{Element, Property, PropertyKind};
 use super::splats;
@@ -9,7 +9,7 @@ use crate::io::options::ReadOptions;
 /// The element whose rows are points.
 pub(super) const POINTS: &str = "vertex";
 
-/// Parsed columns of the properties that are kept.
+/// Parsed columns of the retained properties.
 pub(super) struct RetainedColumns {
     pub(super) columns: Vec<Column<'static>>,
     /// Column of each property.
@@ -46,7 +46,7 @@ impl RetainedColumns {
         vertex.count.saturating_mul(numbers * size_of::<f64>())
     }
 
-    /// Fails where there is no memory for the columns of `vertex`.
+    /// Fails if memory does not suffice for the columns of `vertex`.
     pub(super) fn claim(vertex: &Element, options: &ReadOptions) -> Result<(), Fault> {
         let what = format!("the numbers of {} points", vertex.count);
         options.claim(&what, Self::bytes(vertex) as u64)
@@ -60,7 +60,7 @@ impl RetainedColumns {
         }
     }
 
-    /// Leaves the first `rows` rows, of which missing values are NaN.
+    /// Truncates to the first `rows` rows; missing values are NaN.
     pub(super) fn resize(&mut self, rows: usize) {
         for column in &mut self.columns {
             if let Values::Parsed(values) = &mut column.values {

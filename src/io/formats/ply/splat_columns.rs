@@ -8,7 +8,7 @@ pub(super) fn take<'a>(columns: &mut Vec<Column<'a>>, name: &str) -> Option<Colu
     Some(columns.remove(place))
 }
 
-/// Removes the columns of these names, if all are there.
+/// Removes the columns of these names, if all exist.
 pub(super) fn take_all<'a, const N: usize>(columns: &mut Vec<Column<'a>>, names: [&str; N]) -> Option<[Column<'a>; N]> {
     let is_there = |name: &&str| columns.iter().any(|column| column.name == *name);
     if !names.iter().all(is_there) {

@@ -26,8 +26,8 @@ const ROTATION_IN_TIME: &str = "rot_4";
 /// network makes colours of.
 const UNREAD: [&str; 3] = ["f_rest_", "f_dc_", "f_t_"];
 
-/// Beginnings of names of columns of anchors that a network makes splats of ("Scaffold-GS", Lu et al. 2024), and of
-/// what else they have.
+/// Prefixes of column names of anchors that a network turns into splats ("Scaffold-GS", Lu et al. 2024), and of their
+/// other columns.
 const ANCHOR: &str = "f_anchor_feat_";
 const OF_ANCHORS: [&str; 5] = ["f_offset_", ANCHOR, "opacity", "scale_", "rot_"];
 
@@ -50,7 +50,7 @@ pub(super) fn is_anchor(name: &str) -> bool {
     name.starts_with(ANCHOR)
 }
 
-/// Leaves of the anchors of a network what they are: places. Says so.
+/// Reduces the anchors of a network to positions. Returns a warning.
 pub(super) fn drop_anchors(columns: &mut Vec<Column<'_>>) -> Option<String> {
     if !columns.iter().any(|column| is_anchor(&column.name)) {
         return None;
@@ -69,12 +69,12 @@ pub(super) struct Splats<'a> {
     scales: Vec<Column<'a>>,
     rotation: Option<[Column<'a>; 4]>,
     moving: Option<MovingSplats<'a>>,
-    /// True if the columns are those of a rotation in space and time, which is not read.
+    /// True if the columns have a rotation in space and time, which is not read.
     turns_in_time: bool,
 }
 
 impl<'a> Splats<'a> {
-    /// The splats, and the columns that say something else; all columns where there are no splats.
+    /// The splats, and the other columns; all columns where there are no splats.
     pub(super) fn take(mut columns: Vec<Column<'a>>) -> Result<(Self, Vec<Column<'a>>), Vec<Column<'a>>> {
         let is_there = |name: &str| columns.iter().any(|column| column.name == name);
         if !are_splats(&is_there) {
@@ -162,7 +162,7 @@ impl<'a> Splats<'a> {
     }
 }
 
-/// Gives `cloud` radii, the geometric means of the half axes. Which way a ball faces nobody knows: its normal is
+/// Gives `cloud` radii, the geometric means of the half axes. The direction of a ball is undefined: its normal is
 /// estimated.
 fn put_balls(cloud: &mut RawCloud, scales: &[Vec<f32>]) {
     let radius = |index: usize| {

@@ -1,9 +1,9 @@
-//! The up axis by the program that wrote a file: exporters sign their headers, and have axes of their own.
+//! The up axis by the program that wrote a file: exporters sign their headers, and have their own axes.
 
 use crate::cloud::AxisConvention;
 
-/// Signatures in comments, in lower case, and the axes of what the program writes. Programs that keep whatever axes
-/// they read (`MeshLab`, Open3D, PCL) are not listed.
+/// Signatures in comments, in lower case, and the axes of the program's output. Programs that retain the axes of their
+/// input (`MeshLab`, Open3D, PCL) are not listed.
 const WRITERS: [(&str, AxisConvention); 11] = [
     ("cloudcompare", AxisConvention::UsuallyZUp),
     ("blender", AxisConvention::UsuallyZUp),

@@ -35,9 +35,8 @@ pub(in crate::io) fn is_used(name: &str) -> bool {
         .any(|names| names.contains(&name))
 }
 
-/// Gives `cloud` what `arrays` say of its splats: the shapes where there are half axes, one, two or three, and
-/// rotations; opacities; the colours of harmonics where the cloud has none of its own. Names of the arrays that it was
-/// made of.
+/// Adds the splat attributes in `arrays` to `cloud`: the shapes where there are half axes, one, two or three, and
+/// rotations; opacities; the colours of harmonics where the cloud has no colours. Returns the names of the used arrays.
 pub(in crate::io) fn apply<'a>(arrays: &[SplatArray<'a>], cloud: &mut RawCloud) -> Vec<&'a str> {
     let mut used = Vec::new();
     let mut broken_colors = 0;

@@ -23,7 +23,7 @@ const HARMONIC: f32 = 0.282_094_79;
 /// Half the root of 2: no other part of a unit quaternion than its largest is beyond it.
 pub(super) const LARGEST_OF_OTHERS: f32 = std::f32::consts::FRAC_1_SQRT_2;
 
-/// Constant terms of harmonics as 8 bits, made by `channel`; those that are no numbers are grey, and counted.
+/// Constant terms of harmonics as 8 bits, made by `channel`; NaNs are grey, and counted.
 pub(super) fn colors_of_harmonics(
     [red, green, blue]: [&[f32]; 3],
     channel: impl Fn(f32) -> u8,
@@ -70,9 +70,9 @@ pub(super) struct SplatShape {
     pub(in crate::io) rotation: Quat,
 }
 
-/// Gives `cloud` the normals, radii and ellipses of its splats, and the axes that those who train splats leave them in.
-/// Says how many have a shape or an opacity that cannot be used; `logits` are the opacities as a file has them, if it
-/// has numbers that may be none.
+/// Gives `cloud` the normals, radii and ellipses of its splats, and the axes in which training programs leave them.
+/// Reports the number with an unusable shape or opacity; `logits` are the opacities of the file, if its numbers may be
+/// NaN.
 pub(super) fn put_shapes(cloud: &mut RawCloud, logits: &[f32], shape: impl Fn(usize) -> SplatShape) {
     let count = cloud.positions.len();
     cloud
@@ -99,7 +99,7 @@ pub(super) fn put_shapes(cloud: &mut RawCloud, logits: &[f32], shape: impl Fn(us
     cloud.convention = Some(AxisConvention::UsuallyYDown);
 }
 
-/// Splats of which something cannot be used.
+/// Splats with unusable attributes.
 #[derive(Debug, Default)]
 struct Unusable {
     scales: usize,
@@ -176,12 +176,12 @@ pub(super) fn alpha_of_logit(logit: f32) -> u8 {
     byte(1.0 / (1.0 + (-logit).exp()))
 }
 
-/// A fraction as 8 bits; 0 for what is not a number.
+/// A fraction as 8 bits; 0 for NaN.
 pub(in crate::io) fn byte(fraction: f32) -> u8 {
     (fraction.clamp(0.0, 1.0) * 255.0).round() as u8
 }
 
-/// The four parts of a unit quaternion of which three are known, in their order; the other one, at the place `largest`,
+/// The four components of a unit quaternion from three known ones, in their order; the other one, at index `largest`,
 /// is the largest and positive.
 pub(super) fn with_largest([a, b, c]: [f32; 3], largest: u32) -> [f32; 4] {
     let left = (1.0 - (a * a + b * b + c * c)).max(0.0).sqrt();

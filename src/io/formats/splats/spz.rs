@@ -18,7 +18,7 @@ use crate::io::options::ReadOptions;
 use glam::Quat;
 use std::io::Cursor;
 
-/// Packed splats; other gzip files than those of its name are not.
+/// Packed splats; gzip files with another extension are not.
 pub(in crate::io) const FORMAT: Format = Format::new(&Traits {
     name: "SPZ",
     extensions: &["spz"],
@@ -79,7 +79,7 @@ impl Header {
     }
 }
 
-/// Four bytes from `at` on. Precondition: they are there.
+/// Four bytes from `at` on. Precondition: they exist.
 fn number(bytes: &[u8], at: usize) -> u32 {
     u32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
 }

@@ -1,6 +1,6 @@
-//! Blocks of a count, a comment and as many rows: the layout of XYZ files of chemists, and of tracks of points.
+//! Blocks of a count, a comment and that number of rows: the layout of XYZ files in chemistry, and of tracks of points.
 //!
-//! Only the counts are read to find the blocks. The rows are copied without what stands between them, so that they are
+//! Only the counts are read to find the blocks. The rows are copied without the lines between them, so that they are
 //! parsed as one table.
 
 use super::dialect::{Cell, Dialect};

@@ -22,13 +22,13 @@ const MISSING: [&str; 16] = [
     "#null!",
 ];
 
-/// Bytes of a text that are looked at.
+/// Number of examined bytes of a text.
 pub(super) const SAMPLE_BYTES: usize = 64 << 10;
 
 /// The beginning of `text`, whole lines of it.
 pub(super) fn sample(text: &[u8]) -> &[u8] {
     let head = &text[..text.len().min(SAMPLE_BYTES)];
-    // The last line may be truncated in the middle of a number.
+    // The last line may be truncated within a number.
     match head.iter().rposition(|&byte| byte == b'\n') {
         Some(end) if head.len() < text.len() => &head[..end],
         _ => head,
@@ -89,7 +89,7 @@ impl Dialect {
 
     /// A number with a decimal comma or with groups of thousands, or one that is missing; `None` of other words.
     pub(super) fn number_of(self, word: &[u8]) -> Option<f64> {
-        /// Longer ones are no numbers.
+        /// Longer ones are not numbers.
         const MAX_DIGITS: usize = 64;
         if word.len() > MAX_DIGITS {
             return None;
@@ -227,7 +227,7 @@ fn has_decimal_commas(lines: &[&[u8]]) -> bool {
     has_comma
 }
 
-/// True where nearly every line has the same number of `mark`s, and what lies between them is a cell each.
+/// True where nearly every line has the same number of `mark`s, which separate cells.
 fn separates(lines: &[&[u8]], mark: u8) -> bool {
     /// Marks of a line, and one less where the last of them ends it.
     fn counts(line: &[u8], mark: u8) -> [usize; 2] {
@@ -297,7 +297,7 @@ pub(super) fn seconds_of(word: &[u8]) -> Option<f64> {
 /// The text behind the mark of a comment.
 pub(super) fn comment(line: &[u8]) -> Option<&[u8]> {
     match line {
-        // Spreadsheets write errors this way: the first cell is missing.
+        // Spreadsheets write errors like this: the first cell is missing.
         [b'#', ..] if begins_with_error(line) => None,
         [b'/', b'/', rest @ ..] | [b'#' | b'%' | b'!', rest @ ..] => Some(rest),
         // Where semicolons separate cells, the first one may be empty.

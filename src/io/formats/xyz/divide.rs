@@ -117,7 +117,7 @@ fn by_column(parsed: &Parsed, assumptions: &mut Vec<Assumption>, warnings: &mut 
                 groups.without
             ));
         }
-        // What the user says is not an assumption.
+        // A choice of the user is not an assumption.
         if given != Some(column) {
             let why = format!("column `{name}` has {count} values, for {mean:.0} points each");
             let assumption = Assumption::new(Subject::Frames, count.to_string(), why, evidence);

@@ -1,9 +1,9 @@
-//! Text as UTF-8 with line feeds, whatever it is stored as.
+//! Text as UTF-8 with line feeds, from any encoding.
 
 use std::borrow::Cow;
 
-/// `bytes` without the mark of UTF-8, or those of UTF-16 (either byte order, with its mark or without) as UTF-8. Lines
-/// that end in carriage returns alone, as old Macs and some instruments write them, end in line feeds.
+/// `bytes` without the byte order mark of UTF-8, or converted from UTF-16 (either byte order, with or without mark).
+/// Lines that end in carriage returns alone, as old Macs and some instruments write them, end in line feeds.
 pub(in crate::io) fn utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
     let text = match bytes {
         [0xff, 0xfe, text @ ..] => Cow::Owned(of_utf16(text, u16::from_le_bytes)),

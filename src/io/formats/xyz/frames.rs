@@ -1,6 +1,6 @@
-//! Frames in one table: by a column of frames or times, or by what stands between blocks of rows.
+//! Frames in one table: by a column of frames or times, or by separators between blocks of rows.
 //!
-//! **How it works.** A column named `frame` or the like is one value per frame. A column of times is that only if its
+//! **How it works.** A column named `frame` or the like is one value per frame. A column of times counts only if its
 //! values repeat as in a sequence: a LiDAR stamps each point, or the few of one firing. Blocks between empty lines are
 //! frames if they lie on each other, as the pieces of one scan do not; lines of constant x or y are a surface, as
 //! gnuplot writes it.
@@ -11,7 +11,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::time::Duration;
 
-/// More frames are not a sequence that anybody plays.
+/// Max number of frames of a real sequence.
 const MAX_FRAMES: usize = 1_000_000;
 
 /// Rows of a frame.
@@ -39,7 +39,7 @@ pub(super) enum Counter {
     Frames,
     /// It holds times in this unit, seconds.
     Times(Option<f64>),
-    /// It holds times of points in this unit, seconds: they are frames only where a person says so.
+    /// It holds times of points in this unit, seconds: they are frames only if the user says so.
     Points(Option<f64>),
 }
 
@@ -108,7 +108,7 @@ const LIDAR_WORDS: [&str; 12] = [
     "gps",
 ];
 
-/// Returns true if `names` are those of the points of a LiDAR.
+/// Returns true if `names` are typical of LiDAR points.
 pub(super) fn is_of_lidar(names: &[String]) -> bool {
     let has_word = |name: &String| {
         Words::of(name)
@@ -233,7 +233,7 @@ impl Groups {
         if is_of_lidar {
             return mean >= MIN_ROWS && self.coverage(positions) >= MIN_COVERAGE;
         }
-        // A clock that starts over again and again stamps points in no order: nothing moves during its periods.
+        // A clock that restarts repeatedly stamps points in no order: nothing moves during its periods.
         if self.is_rising && !self.is_sorted && !moves_little(positions) {
             return false;
         }
@@ -327,7 +327,7 @@ pub(super) fn guessed_seconds(values: &[f64]) -> (f64, &'static str) {
     }
 }
 
-/// Frames of consecutive blocks of rows; `starts` are those of all but the first.
+/// Frames of consecutive blocks of rows; `starts` are the starts of all but the first.
 pub(super) fn of_blocks(starts: &[usize], rows: usize, names: &[String]) -> Vec<Frame> {
     let bounds: Vec<usize> = std::iter::once(0).chain(starts.iter().copied()).chain([rows]).collect();
     let frame = |(index, ends): (usize, &[usize])| {
@@ -388,7 +388,8 @@ pub(super) enum BlockEvidence {
     Apart,
 }
 
-/// Returns the evidence for what the blocks that begin at `starts` and at 0 are, by the coordinates of their points.
+/// Returns the evidence for the meaning of the blocks that begin at `starts` and at 0, by the coordinates of their
+/// points.
 pub(super) fn evidence(starts: &[usize], positions: [&[f64]; 3]) -> BlockEvidence {
     /// Part of the space of two blocks that both fill.
     const MIN_OVERLAP: f64 = 0.3;

@@ -1,4 +1,4 @@
-//! Columns without names: their number and their values tell what they are.
+//! Columns without names: their number and their values determine their meaning.
 //!
 //! | columns | meaning |
 //! |---|---|
@@ -8,7 +8,7 @@
 //!
 //! Seven columns of integers are `x y z scalar red green blue`, as in `.pts`, unless the last is alpha.
 
-/// Columns whose values are looked at.
+/// Number of columns whose values are examined.
 pub(in crate::io) const MAX_GUESSED_COLUMN: usize = 16;
 
 const COLOR: [&str; 3] = ["red", "green", "blue"];
@@ -150,7 +150,7 @@ fn is_unit_length(columns: &[Vec<f64>]) -> bool {
 mod tests {
     use super::*;
 
-    /// Names of the columns of `text`, a line of which is a point.
+    /// Names of the columns of `text`, with one point per line.
     fn names(text: &str) -> Vec<String> {
         let rows: Vec<Vec<f64>> = text
             .lines()

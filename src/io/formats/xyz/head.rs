@@ -5,7 +5,7 @@ use super::rows::{Cells, Kind, trimmed};
 use crate::io::columns::column_names::{Words, axes};
 use crate::io::error::{Fault, Place};
 
-/// More columns are no table of points.
+/// Max columns of a table of points.
 pub(super) const MAX_COLUMNS: usize = 4096;
 
 /// Rows whose values tell the kinds of columns.
@@ -90,7 +90,7 @@ impl Head {
         Ok(head)
     }
 
-    /// A line before the first row that is no comment: names, a title, or a count of the points.
+    /// A line before the first row that is not a comment: names, a title, or a count of the points.
     fn take_line(&mut self, content: &[u8], cells: &[Cell<'_>], candidates: &mut Vec<Header>) -> Result<(), Fault> {
         let is_number = |cell: &Cell<'_>| matches!(cell, Cell::Number(number) if !number.is_nan());
         let numbers = cells.iter().filter(|cell| is_number(cell)).count();
@@ -178,8 +178,8 @@ impl Head {
         self.first_is_index = self.kinds[0] == Kind::Text || (counts && (start == 0.0 || start == 1.0));
     }
 
-    /// The line of names among those before the first row: the last one that has coordinates, else the last one that
-    /// is no comment and has as many names as there are columns.
+    /// The line of names among those before the first row: the last one that has coordinates, else the last one that is
+    /// not a comment and has one name per column.
     fn choose(&self, candidates: &[Header]) -> Option<Header> {
         let has_axes = |header: &&Header| axes(&strs(&header.names)).is_some();
         let fits = |header: &&Header| self.width.is_some_and(|width| names_fit(header.names.len(), width));
@@ -206,7 +206,7 @@ pub(super) fn strs(names: &[String]) -> Vec<&str> {
     names.iter().map(String::as_str).collect()
 }
 
-/// A list of names without what Tecplot writes before it, `VARIABLES = "X", "Y"`.
+/// A list of names without Tecplot's prefix, `VARIABLES = "X", "Y"`.
 fn without_key(text: &[u8]) -> &[u8] {
     const KEY: &[u8] = b"variables";
     let begin = text.trim_ascii_start();
@@ -217,7 +217,7 @@ fn without_key(text: &[u8]) -> &[u8] {
     list.strip_prefix(b"=").filter(|_| has_key).unwrap_or(text)
 }
 
-/// Words that stand in sentences.
+/// Words typical of sentences.
 const SENTENCE_WORDS: [&str; 32] = [
     "are",
     "is",
@@ -253,7 +253,7 @@ const SENTENCE_WORDS: [&str; 32] = [
     "as",
 ];
 
-/// Words of columns, besides those of coordinates.
+/// Words of columns, other than coordinates.
 const COLUMN_WORDS: [&str; 54] = [
     "x",
     "y",
@@ -311,7 +311,7 @@ const COLUMN_WORDS: [&str; 54] = [
     "yaw",
 ];
 
-/// True for words of which most are names of columns and none is one of a sentence.
+/// True if most words are names of columns and none is typical of a sentence.
 fn are_names(names: &[String]) -> bool {
     let words: Vec<Vec<String>> = names.iter().map(|name| Words::of(name).words).collect();
     let has = |words: &[String], known: &[&str]| words.iter().any(|word| known.contains(&word.as_str()));
@@ -401,7 +401,7 @@ fn is_row(cells: &[Cell<'_>]) -> bool {
     numbers.len() >= 3 && (known > 0 || numbers.len() == cells.len() && cells.len() >= 3)
 }
 
-/// True for a line of names of which some are numbers, and for one that numbers the columns.
+/// True for a line of names with some numbers among them, and for one that numbers the columns.
 fn is_header(head: &Head, content: &[u8], cells: &[Cell<'_>], behind: &[u8]) -> bool {
     let has_words = cells.iter().any(|cell| matches!(cell, Cell::Text(_)));
     if has_words {

@@ -1,14 +1,14 @@
-//! Rows of cells without what some programs put around them.
+//! Rows of cells, stripped of decorations by some programs.
 //!
-//! Brackets around rows (`[1, 2, 3]`, `(1, 2, 3)`, `{1, 2, 3},`), line breaks in quoted cells, and commas that are
-//! decimal ones and separate cells as well (`1,5, 2,5, 3,5`) are rewritten before anything else is looked at. Lists of
-//! points of COLMAP end in tracks of any length, which are cut off.
+//! Brackets around rows (`[1, 2, 3]`, `(1, 2, 3)`, `{1, 2, 3},`), line breaks in quoted cells, and commas that are both
+//! decimal marks and separators (`1,5, 2,5, 3,5`) are rewritten before further parsing. Lists of points of COLMAP end
+//! in tracks of any length, which are cut off.
 
 use super::dialect::{comment, sample};
 use super::encoding::utf8;
 use std::borrow::Cow;
 
-/// Plain text of a file, and what was skipped in it, one clause each.
+/// Plain text of a file, and notes on skipped parts, one clause each.
 pub(super) struct Plain<'a> {
     pub(super) text: Cow<'a, [u8]>,
     pub(super) notes: Vec<&'static str>,
@@ -34,7 +34,7 @@ pub(super) fn plain(bytes: &[u8]) -> Plain<'_> {
     Plain { text, notes }
 }
 
-/// Lines of the beginning that hold digits and are no comments.
+/// Lines of the beginning that hold digits and are not comments.
 fn rows_of_sample(text: &[u8]) -> Vec<&[u8]> {
     let lines = sample(text).split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
     let is_row = |line: &&[u8]| comment(line).is_none() && line.iter().any(u8::is_ascii_digit);

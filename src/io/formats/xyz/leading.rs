@@ -99,8 +99,8 @@ fn counts_rows(sample: &[Vec<f64>]) -> bool {
     first.len() >= MIN_ROWS && is_start && counts && are_coordinates
 }
 
-/// Two columns of whole numbers, one of which counts on by one while the other stays, before three of fractions that
-/// are no z with a normal behind it.
+/// Two columns of integers, one counting up by one while the other stays, before three of fractions that are not z
+/// followed by a normal.
 fn are_places_in_grid(sample: &[Vec<f64>]) -> bool {
     let places = &sample[..2];
     let is_place = |column: &Vec<f64>| known(column).all(|value| value.fract() == 0.0 && value >= 0.0);

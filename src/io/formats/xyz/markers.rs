@@ -33,7 +33,7 @@ pub(super) fn unrolled(parsed: &Parsed, assumptions: &mut Vec<Assumption>) -> (V
         time: times.as_ref().map(|times| times[row]),
     };
     let is_one = parsed.naming.frame == Some(None);
-    // What the user says is not an assumption.
+    // A choice of the user is not an assumption.
     if parsed.naming.frame.is_none() {
         let why = format!("the header names x, y and z of {} points per row", markers.len());
         let value = format!("{rows}, a row each");

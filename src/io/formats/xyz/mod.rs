@@ -1,10 +1,10 @@
-//! Text with a point per line: coordinates in columns, and scalars, colours, normals and words in others.
+//! Text with one point per line: coordinates in columns, and scalars, colours, normals and words in others.
 //!
-//! **How it works.** What surrounds rows is taken away ([`layout`]). The first lines tell how cells are separated
-//! ([`dialect`]), which line has the names of columns and what their cells hold ([`head`]). Names or the user say what
-//! the columns are ([`naming`]), else their values do ([`guess`], [`leading`]). All rows are parsed on all cores
-//! ([`rows`]); a line that is none is skipped and counted. Then the rows are divided into frames ([`frames`],
-//! [`counted`], [`markers`]). Poses and grids of values are no points ([`refusal`]).
+//! **How it works.** Decorations around rows are removed ([`layout`]). The first lines determine the separator of cells
+//! ([`dialect`]), the line of column names and the types of cells ([`head`]). Names or the user give the meaning of
+//! columns ([`naming`]), else their values do ([`guess`], [`leading`]). All rows are parsed on all cores ([`rows`]);
+//! other lines are skipped and counted. Then the rows are divided into frames ([`frames`], [`counted`], [`markers`]).
+//! Poses and grids of values are not points ([`refusal`]).
 
 mod counted;
 pub(super) mod dialect;

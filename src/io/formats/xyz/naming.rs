@@ -9,7 +9,7 @@ use crate::io::columns::column_map::{ColumnMap, ColumnName, FRAME_ROLE};
 use crate::io::columns::column_names::{Match, axes, colors_and_normals, longitude_and_latitude, markers, plain_name};
 use crate::io::error::{Fault, Place};
 
-/// The meaning of columns before their values are looked at.
+/// The meaning of columns before their values are examined.
 #[derive(Debug)]
 #[expect(
     clippy::option_option,
@@ -21,7 +21,7 @@ pub(super) struct Naming {
     pub(super) positions: [usize; 3],
     /// Coordinates are longitude and latitude in degrees, and height.
     pub(super) is_geographic: bool,
-    /// The column whose values are frames, if the user says so: `Some(None)` for none.
+    /// The column whose values are frames, if given by the user: `Some(None)` for none.
     pub(super) frame: Option<Option<usize>>,
     /// The column that numbers the rows.
     pub(super) index: Option<usize>,
@@ -36,8 +36,8 @@ pub(super) struct Naming {
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl Naming {
-    /// Determines the naming of a table with at least one row; `width` is that of `head`, and rows follow lines that
-    /// count them if they are `counted`.
+    /// Determines the naming of a table with at least one row; `width` is the width of `head`, and rows follow lines
+    /// that count them if they are `counted`.
     pub(super) fn of(head: &Head, width: usize, map: Option<ColumnMap>, is_counted: bool) -> Result<Self, Fault> {
         let raw = head.header.as_ref().and_then(|header| aligned(header, head, width));
         if let Some(map) = map.filter(|map| !map.roles().is_empty()) {

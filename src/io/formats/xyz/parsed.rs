@@ -4,7 +4,7 @@ use super::counted::Counted;
 use super::naming::Naming;
 use super::rows::ParsedRows;
 
-/// Rows, what is known of their columns, and where they stood.
+/// Rows, known properties of their columns, and their positions in the file.
 pub(super) struct Parsed {
     pub(super) rows: ParsedRows,
     pub(super) names: Vec<String>,

@@ -1,10 +1,10 @@
-//! Numbers in rows that are no points, where nothing names the columns.
+//! Numbers in rows that are not points, where the columns have no names.
 
 use super::rows::{Kind, ParsedRows};
 use crate::io::columns::likeness::{Poses, is_camera_matrix, is_grid, poses};
 use crate::io::error::{Fault, Place};
 
-/// Fails for poses of cameras and for grids of values. `line` is that of the first row.
+/// Fails for poses of cameras and for grids of values. `line` is the line of the first row.
 pub(super) fn refuse(rows: &ParsedRows, kinds: &[Kind], line: usize) -> Result<(), Fault> {
     let are_numbers = kinds.iter().all(|kind| matches!(kind, Kind::Number | Kind::Required));
     if !are_numbers {

@@ -17,7 +17,7 @@ use std::path::Path;
 /// Larger files are not read to find out whether they are a sequence, if their first lines do not say so.
 const MAX_LISTED_BYTES: u64 = 512 << 20;
 
-/// The frames of the file at `path`. A file that cannot be understood is one frame, which then says why.
+/// The frames of the file at `path`. An unintelligible file is one frame, which then reports the reason.
 pub(in crate::io) fn list(path: &Path, options: &ReadOptions) -> Result<Vec<Entry>, IoError> {
     let failed = |source| IoError::Io {
         path: path.to_owned(),
@@ -66,7 +66,7 @@ fn has_counter(bytes: &[u8], options: &ReadOptions) -> bool {
         || header.is_some_and(|header| header.names.iter().any(counts) || !markers(&strs(&header.names)).is_empty())
 }
 
-/// Returns true if a block break, anything other than a row, stands between two rows.
+/// Returns true if a block break, anything other than a row, is between two rows.
 fn has_breaks(text: &[u8]) -> bool {
     let is_digit_or_sign = |line: &[u8]| {
         line.first()

@@ -1,4 +1,4 @@
-//! All rows of a file, with what their columns are.
+//! All rows of a file, with the meaning of their columns.
 
 use super::counted::{self, Counted};
 use super::dialect::comment;
@@ -155,7 +155,7 @@ impl Table {
 
     /// Skipped lines and missing values: said, and if there are many an error.
     fn check_lines(&mut self, parsed: &mut ParsedRows, head: &Head, width: usize) -> Result<(), Fault> {
-        /// One of so many lines may be odd, or one alone if there are two rows.
+        /// One in this many lines may be odd, or one alone if there are two rows.
         const ROWS_PER_ODD: usize = 10;
         let claimed = claimed_points(head.claimed, parsed, width);
         if let Some(claimed) = claimed.filter(|&claimed| claimed > self.rows + parsed.odd_lines.count) {

@@ -43,7 +43,7 @@ pub(super) enum MemberPlace {
     Unreadable(String),
 }
 
-/// An unpacked archive. A `Vec`, as making a slice of it would copy all of it once more.
+/// An unpacked archive. A `Vec`, as converting it to a slice would copy all of it again.
 #[derive(Clone)]
 pub(super) struct Unpacked(pub(super) Arc<Vec<u8>>);
 
@@ -61,7 +61,7 @@ impl fmt::Debug for Unpacked {
     }
 }
 
-/// A name without what would lead out of a folder or garble a message.
+/// A name without parts that would lead out of a folder or garble a message.
 pub(super) fn clean(name: &str) -> String {
     let name: String = name
         .chars()

@@ -176,8 +176,8 @@ fn io_error(path: &Path) -> impl Fn(std::io::Error) -> IoError + Copy {
     }
 }
 
-/// True for files that hold a frame: in a format that is one cloud by its extension, or else by its first bytes; not
-/// hidden, not what macOS adds.
+/// True for files that hold a frame: in a format of single clouds by its extension, or else by its first bytes; not
+/// hidden, not added by macOS.
 fn is_frame(path: &Path, member: &Member) -> bool {
     let is_skipped = |part: &str| part.starts_with('.') || part == "__MACOSX";
     if member.name.split('/').any(is_skipped) {

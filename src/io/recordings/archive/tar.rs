@@ -55,7 +55,7 @@ fn members(mut reader: impl Read + Seek, place: impl Fn(u64, u64) -> MemberPlace
     for entry in entries {
         let entry = match entry {
             Ok(entry) => entry,
-            // Whatever precedes the damage can be read.
+            // Members before the damage can be read.
             Err(error) if !members.is_empty() => {
                 damage = Some(format!(
                     "{}; the {} files before that are read",

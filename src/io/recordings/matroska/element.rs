@@ -1,7 +1,7 @@
 //! Elements of EBML (RFC 8794): an id, the length of the body, the body.
 //!
-//! The length of both numbers stands in their first byte: as many zeros before the first one as bytes follow. A length
-//! of ones alone is not known, as writers have it that cannot go back.
+//! The length of both numbers is in their first byte: the number of leading zeros is the number of following bytes. A
+//! length of ones alone is unknown, as written by programs that cannot seek back.
 
 use super::super::recording::walk::Walk;
 
@@ -31,7 +31,7 @@ fn length_of(first: u8) -> usize {
     first.leading_zeros() as usize + 1
 }
 
-/// The number of these bytes, of which the first tells how many they are: with that bit, or without.
+/// The number of these bytes, whose first one determines their count: with that bit, or without.
 fn number(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0, |sum, &byte| (sum << 8) | u64::from(byte))
 }
@@ -62,7 +62,7 @@ pub(super) fn head(walk: &mut Walk) -> Option<Head> {
     })
 }
 
-/// The number that `bytes` begin with, and what follows; `None` where it is not whole.
+/// The number that `bytes` begin with, and the rest; `None` where it is incomplete.
 pub(super) fn leading_number(bytes: &[u8]) -> Option<(u64, &[u8])> {
     let length = length_of(*bytes.first()?);
     if length > MAX_LENGTH_BYTES {
@@ -84,7 +84,7 @@ pub(super) fn children(mut body: &[u8]) -> impl Iterator<Item = (u32, &[u8])> {
     })
 }
 
-/// A whole number, of which the highest byte comes first; the lowest eight of a longer one.
+/// A big-endian integer; the lowest eight bytes of a longer one.
 pub(super) fn unsigned(body: &[u8]) -> u64 {
     number(body)
 }

@@ -50,7 +50,7 @@ fn track(entry: &[u8]) -> Track {
     track
 }
 
-/// The tags in the body of `Tags`, whatever they are of.
+/// The tags in the body of `Tags`, of any target.
 pub(super) fn tags(body: &[u8]) -> Vec<Tag> {
     let groups = children(body).filter(|&(id, _)| id == TAG);
     let pairs = groups.flat_map(|(_, group)| children(group).filter(|&(id, _)| id == SIMPLE_TAG));

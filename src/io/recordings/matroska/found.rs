@@ -24,7 +24,7 @@ pub(crate) struct Track {
     pub(crate) codec: String,
     /// Codec initialisation data; see [`Track::fourcc`].
     pub(crate) codec_private: Vec<u8>,
-    /// Width and height; zeros of a track that is no video.
+    /// Width and height; zeros for a track that is not video.
     pub(crate) size_px: [u32; 2],
     /// True if frames have an additional content encoding: zlib compression, or header stripping of their first bytes.
     pub(crate) is_packed: bool,
@@ -56,7 +56,7 @@ pub(crate) struct Block {
     pub(crate) byte_count: u64,
 }
 
-/// Why there is nothing to be read.
+/// Errors of reading.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum MatroskaError {
     /// The system could not read the file.
@@ -67,7 +67,7 @@ pub(crate) enum MatroskaError {
     Invalid {
         /// Byte offset of the error.
         offset: u64,
-        /// Description of what was expected.
+        /// Description of the expected content.
         problem: String,
     },
 }
@@ -81,7 +81,7 @@ impl Matroska {
 }
 
 impl Track {
-    /// The kind of its frames where the codec is that of Windows: `biCompression` of a `BITMAPINFOHEADER`.
+    /// The kind of its frames where the codec is a Windows one: `biCompression` of a `BITMAPINFOHEADER`.
     pub(crate) fn fourcc(&self) -> Option<[u8; 4]> {
         let at = self.codec_private.get(16..20)?;
         (self.codec == "V_MS/VFW/FOURCC").then(|| at.try_into().ok())?

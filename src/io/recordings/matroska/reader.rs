@@ -1,5 +1,5 @@
-//! The walk over a file. Segments, clusters and groups of blocks are gone into, so that it does not matter whether
-//! their lengths are known: an id says what an element is, wherever it stands.
+//! The walk over a file. Segments, clusters and groups of blocks are entered, so that their lengths need not be known:
+//! an id identifies an element, wherever it is.
 
 use super::super::recording::walk::Walk;
 use super::element::{Head, MAGIC, children, head, leading_number, text, unsigned};
@@ -27,7 +27,7 @@ const BLOCK_GROUP: u32 = 0xa0;
 const BLOCK: u32 = 0xa1;
 const SIMPLE_BLOCK: u32 = 0xa3;
 
-/// Nanoseconds of a unit of time where nothing says it.
+/// Default nanoseconds per unit of time.
 const USUAL_SCALE_NS: u64 = 1_000_000;
 
 /// Heads, tracks and tags are text and numbers; more is none that is needed here.

@@ -57,14 +57,14 @@ fn tracks() -> Vec<u8> {
     short(0x1654_ae6b, &entries.concat())
 }
 
-/// A block: the number of its track, a time, flags, and what follows.
+/// A block: the number of its track, a time, flags, and its data.
 fn block(track: u8, time: i16, flags: u8, frame: &[u8]) -> Vec<u8> {
     [&[track | 0x80], time.to_be_bytes().as_slice(), &[flags], frame].concat()
 }
 
 const SIMPLE: u32 = 0xa3;
 
-/// What is in front of the clusters.
+/// The elements before the clusters.
 fn front() -> Vec<u8> {
     let tag = |name: &str, value: &str| {
         short(
@@ -249,7 +249,7 @@ fn other_files_are_rejected() {
 }
 
 proptest! {
-    /// Frames never reach beyond the file, whatever it claims.
+    /// Frames never extend beyond the file, whatever it claims.
     #[test]
     fn damage_never_panics(places in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..12)) {
         let mut bytes = file(true);

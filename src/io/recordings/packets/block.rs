@@ -1,4 +1,4 @@
-//! The blocks of pcapng: packets, and what tells of them.
+//! The blocks of pcapng: packets, and their metadata.
 //!
 //! <https://www.ietf.org/archive/id/draft-ietf-opsawg-pcapng-02.html>
 
@@ -32,7 +32,7 @@ pub(super) struct InBlock {
     pub(super) is_cut: bool,
 }
 
-/// The byte order of a block that begins with `head`, of which there are [`HEAD_BYTES`].
+/// The byte order of a block that begins with `head`, [`HEAD_BYTES`] long.
 pub(super) fn order(head: &[u8], layout: &Layout) -> ByteOrder {
     match layout {
         _ if head.starts_with(&SECTION) => {
@@ -47,15 +47,15 @@ pub(super) fn order(head: &[u8], layout: &Layout) -> ByteOrder {
     }
 }
 
-/// Returns true if the interpretation of what follows depends on the block that begins with `head`.
+/// Returns true if the interpretation of later blocks depends on the block that begins with `head`.
 pub(super) fn matters(head: &[u8], order: ByteOrder) -> bool {
     head.starts_with(&SECTION) || order.u32(head, 0).is_some_and(|kind| PACKETS.contains(&kind))
 }
 
-/// A block that is not as its kind says.
+/// A block whose content contradicts its kind.
 pub(super) struct Damaged;
 
-/// The packet in a block, if there is one, of an interface that `layout` knows; what else it says goes to `layout`.
+/// The packet in a block, if there is one, of an interface that `layout` knows; metadata goes to `layout`.
 pub(super) fn read(layout: &mut Arc<Layout>, bytes: &[u8], order: ByteOrder) -> Result<Option<InBlock>, Damaged> {
     if bytes.starts_with(&SECTION) {
         parse_sectionheaderblock(bytes).map_err(|_| Damaged)?;

@@ -1,8 +1,8 @@
 //! Packets in a file of libpcap or in pcapng, one after the other.
 //!
-//! **How it works.** The length of a record is read first and held against a limit; then the record is handed to
-//! `pcap-parser` as it lies in memory. What tells of the packets behind a place, the byte order and the interfaces, is
-//! a [`Layout`]: whoever keeps it with an offset can go on from there without what lies before.
+//! **How it works.** The length of a record is read first and checked against a limit; then the record is handed to
+//! `pcap-parser` in place. The metadata for the packets after a position, byte order and interfaces, is a [`Layout`]:
+//! stored with an offset, it allows reading from there without the part before.
 //!
 //! libpcap: <https://www.ietf.org/archive/id/draft-ietf-opsawg-pcap-04.html>
 
@@ -43,7 +43,7 @@ pub(super) struct Packet<'a> {
     pub(super) is_cut: bool,
 }
 
-/// A packet, and what tells of it.
+/// A packet, and its metadata.
 pub(super) type Next<'a> = (Packet<'a>, &'a Arc<Layout>);
 
 /// A capture that is read from a place on.
@@ -58,7 +58,7 @@ pub(super) struct Capture {
 }
 
 impl Capture {
-    /// The whole of `file`, whose times are read as `clock` says.
+    /// Opens the whole of `file`, with times read by `clock`.
     pub(super) fn open(file: File, clock: Clock) -> Result<Self, Fault> {
         let failed = |error| unreadable(0, &error);
         let mut window = Window::at(file, 0).map_err(failed)?;
@@ -128,7 +128,7 @@ impl Capture {
     /// The next packet; `None` at the end of the file.
     ///
     /// # Errors
-    /// A record that is cut or damaged: there is nothing behind it that could be found.
+    /// A truncated or damaged record: no later one can be found.
     pub(super) fn next(&mut self) -> Result<Option<Next<'_>>, Fault> {
         match *self.layout {
             Layout::Records(records) => self.next_record(records),
@@ -149,8 +149,7 @@ impl Capture {
         let length = records.order.u32(head, LENGTH_AT).ok_or_else(|| cut(offset))?;
         let count = self.take_record(head_bytes, length)?;
         let bytes = self.window.taken(count);
-        // Single records: the readers of `pcap-parser` cannot start partway through a file, which is what a frame
-        // needs.
+        // Single records: the readers of `pcap-parser` cannot start partway through a file, as a frame requires.
         let parsed = match records.order {
             _ if records.is_modified => parse_pcap_frame_modified(bytes),
             ByteOrder::Little => parse_pcap_frame(bytes),
@@ -223,7 +222,7 @@ impl Capture {
         }
     }
 
-    /// Takes the next record, which has `length` bytes behind the first `head_bytes`; says how many these are.
+    /// Takes the next record, which has `length` bytes after the first `head_bytes`; returns its total size.
     fn take_record(&mut self, head_bytes: usize, length: u32) -> Result<usize, Fault> {
         let offset = self.window.offset();
         if length > MAX_RECORD_BYTES {

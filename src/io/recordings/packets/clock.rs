@@ -1,16 +1,16 @@
-//! The unit of the times of a capture, where it is not the one that its header says.
+//! The unit of the times of a capture, where it differs from its header.
 //!
 //! **How it works.** Recorders have written nanoseconds into captures of microseconds. Two forms are known: the part of
 //! a second is in nanoseconds (a million or more, which microseconds never are), or the whole time is nanoseconds split
 //! by a million, which makes the capture pass a thousand times more slowly than the sensor's own clock ([`Samples`]).
-//! Frames are never cut by such times; they are set right as far as they say.
+//! Such times never cut frames, and are corrected as far as possible.
 
 use std::time::Duration;
 
 /// The unit of times.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Clock {
-    /// As the header says.
+    /// As in the header.
     #[default]
     Stated,
     /// The parts of seconds are nanoseconds, and not microseconds.
@@ -21,7 +21,7 @@ pub(super) enum Clock {
     MicrosecondParts,
 }
 
-/// A part of a second in microseconds is less.
+/// Upper bound of a part of a second in microseconds.
 pub(super) const MICROS_PER_SECOND: u32 = 1_000_000;
 
 const SCALE: f64 = 1000.0;
@@ -33,7 +33,7 @@ const MIN_SAMPLES: u32 = 8;
 
 const HOUR: Duration = Duration::from_hours(1);
 
-/// Microseconds are never below a thousandth of a second for as long.
+/// Microseconds never stay below a thousandth of a second for this long.
 const MIN_SPAN_S: f64 = 0.1;
 
 impl Clock {
@@ -96,7 +96,7 @@ impl Samples {
     }
 }
 
-/// Records of a capture, as far as they were looked at.
+/// Statistics of the examined records of a capture.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Fractions {
     /// True if the header specifies nanoseconds; `None` for captures that specify the unit of each interface.

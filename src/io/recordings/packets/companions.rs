@@ -1,10 +1,9 @@
-//! Companion files of a capture that its packets cannot be read without: metadata of Ouster, calibrations of the
-//! HDL-64E.
+//! Companion files of a capture that are required to read its packets: metadata of Ouster, calibrations of the HDL-64E.
 //!
 //! There is no rule for their names. `ouster-cli` writes `drive.json` next to `drive.pcap`, recorders of several
 //! sensors write `drive_0.json`, `drive_1.json`, and calibrations are called `db.xml`. So all files of the extension in
-//! the folder are examined, but not more than [`MAX_FILES`], and those whose names have most in common with the
-//! capture's come first. Packets that come from a network have one such file, which is named after the address.
+//! the folder are examined, but not more than [`MAX_FILES`], and those with names most similar to the capture's come
+//! first. Packets from a network have one such file, which is named after the address.
 
 use crate::io::error::Fault;
 use crate::io::files::sidecars;
@@ -34,7 +33,7 @@ impl Companions {
         }
     }
 
-    /// Names and texts of files with `extension`, the nearest by their names first; of what was given its text.
+    /// Names and texts of files with `extension`, the nearest by their names first; of a given file, its text.
     pub(super) fn texts(&self, extension: &str, max_bytes: u64) -> Box<dyn Iterator<Item = (String, String)> + '_> {
         match self {
             Self::Sidecar { capture, options } => {

@@ -1,13 +1,13 @@
 //! The sensors in a capture, and the places of their revolutions.
 //!
-//! **How it works.** Two walks. The first ([`FoundSensors::probe`]) looks at the beginning of the capture: which
-//! sensors there are, in which azimuths they measure ([`super::seam`]), and whether the capture's clock is right
-//! ([`super::clock`]). The second ([`FoundSensors::add`]) notes where each revolution begins and ends, a row each.
-//! Datagrams in fragments are joined in both ([`super::fragments`]).
+//! **How it works.** Two walks. The first ([`FoundSensors::probe`]) examines the beginning of the capture: its sensors,
+//! their azimuth ranges ([`super::seam`]), and the correctness of its clock ([`super::clock`]). The second
+//! ([`FoundSensors::add`]) records the start and end of each revolution, one row each. Datagrams in fragments are
+//! joined in both ([`super::fragments`]).
 //!
 //! A revolution begins where the azimuth passes the seam (Velodyne) or where the number of the frame changes (Ouster).
-//! Packets of Ouster that come late are found with the frame that they are of, if it is the one before. Datagrams that
-//! no sensor sent are counted for messages ([`super::traffic`]).
+//! Late packets of Ouster are assigned to their frame, if it is the one before. Datagrams that no sensor sent are
+//! counted for messages ([`super::traffic`]).
 
 use super::capture::Packet;
 use super::clock::{self, Clock, Fractions, Samples};
@@ -54,7 +54,7 @@ struct Sensor {
 struct Received<'a> {
     datagram: Datagram<'a>,
     time: Duration,
-    /// Byte offset of the record of its first fragment in the file, and that of its last one.
+    /// Byte offset of the record of its first fragment in the file, and of its last one.
     begin: u64,
     last: u64,
 }

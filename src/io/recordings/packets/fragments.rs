@@ -1,10 +1,10 @@
-//! Datagrams that are larger than the packets of a network, put together again.
+//! Reassembly of datagrams larger than the packets of a network.
 //!
-//! RFC 791 §3.2. The pieces of a datagram have a number in common and say where they belong; they come in any order.
-//! `etherparse` joins them; its pool of datagrams is none for captures of strangers, as its text says, since pieces
-//! whose others never come would fill the memory. So at most [`MAX_OPEN`] datagrams wait here, each of 64 KiB at most.
-//! The one that has waited longest is given up for the next, and any that waits for longer than [`MAX_SPAN_BYTES`] of
-//! the capture: its number may be used again by then. Datagrams that are given up are counted.
+//! RFC 791 §3.2. The pieces of a datagram have a number in common and their offsets; they come in any order.
+//! `etherparse` joins them; its pool of datagrams is not for untrusted captures, as its documentation says, since
+//! incomplete datagrams would fill the memory. So at most [`MAX_OPEN`] datagrams wait here, each of 64 KiB at most. The
+//! one that has waited longest is dropped for the next, and any that waits for longer than [`MAX_SPAN_BYTES`] of the
+//! capture: its number may be used again by then. Dropped datagrams are counted.
 
 use super::link::Fragment;
 use etherparse::IpNumber;
@@ -12,7 +12,7 @@ use etherparse::defrag::IpDefragBuf;
 use std::collections::{BTreeMap, VecDeque};
 use std::net::IpAddr;
 
-/// Scanners send one datagram after the other: as many as that wait only where pieces are lost, or from many scanners.
+/// LiDARs send one datagram after the other: this many are open only where pieces are lost, or from many LiDARs.
 const MAX_OPEN: usize = 32;
 
 /// Pieces of a datagram follow one another within a few packets; numbers are used again after 65,536 datagrams.
@@ -37,7 +37,7 @@ struct Open {
     pieces: IpDefragBuf,
 }
 
-/// Datagrams of which not all pieces have come.
+/// Incomplete datagrams.
 #[derive(Debug, Default)]
 pub(super) struct Fragments {
     /// The oldest first.
@@ -89,7 +89,7 @@ impl Fragments {
         }
     }
 
-    /// Datagrams of which pieces are missing at the end of the capture or before, by their sender.
+    /// Datagrams with missing pieces at the end of the capture or before, by their sender.
     pub(super) fn finish(mut self) -> BTreeMap<IpAddr, u64> {
         while !self.open.is_empty() {
             self.give_up(0);

@@ -1,4 +1,4 @@
-//! From a captured packet to what a sensor sent in it: links, IP and UDP, by `etherparse`.
+//! From a captured packet to the sensor's payload: links, IP and UDP, by `etherparse`.
 
 use etherparse::{EtherType, IpFragOffset, IpNumber, LaxNetSlice, LaxSlicedPacket, UdpSlice};
 use std::net::IpAddr;
@@ -27,7 +27,7 @@ pub(super) struct Datagram<'a> {
     pub(super) port: u16,
     /// Byte count sent in the datagram, according to its header.
     pub(super) byte_count: usize,
-    /// As many of them as are there.
+    /// The captured part of them.
     pub(super) bytes: &'a [u8],
 }
 

@@ -1,8 +1,8 @@
-//! Turns of a sensor as its packets come, from a network instead of a file.
+//! Revolutions of a sensor as its packets arrive, from a network instead of a file.
 //!
-//! The first stream of packets of a sensor is the one that is shown (`streams.rs`); others are skipped. A turn is
-//! handed over when the next one begins, as its packets: whoever shows it makes points of them. The turn in which
-//! packets begin to come is no whole one, and is skipped.
+//! The first stream of packets of a sensor is the one that is shown (`streams.rs`); others are skipped. A revolution is
+//! handed over when the next one begins, as its packets: the consumer decodes them into points. The first revolution is
+//! incomplete, and is skipped.
 
 use super::companions::Companions;
 use super::link::Datagram;
@@ -23,11 +23,11 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// The text of what the packets of some sensors cannot be read without.
+/// The text of a companion file that the packets of some sensors require.
 #[derive(Debug, Clone)]
 pub(crate) struct Companion(Arc<str>);
 
-/// A turn, as its packets.
+/// A revolution, as its packets.
 #[derive(Debug, Clone)]
 pub(crate) struct LiveTurn {
     scanner: Arc<dyn Scanner>,
@@ -40,13 +40,13 @@ pub(crate) struct LiveTurn {
 /// Duration for which azimuths are observed before the first revolution: two revolutions of the slowest sensors.
 const LEARNING: Duration = Duration::from_millis(400);
 
-/// Azimuths in which a sensor measures, before its turns are cut.
+/// Azimuths in which a sensor measures, before its revolutions are cut.
 struct Learning {
     begin: Duration,
     coverage: Coverage,
 }
 
-/// Finds the turns of a sensor.
+/// Finds the revolutions of a sensor.
 pub(crate) struct LiveTurns {
     makers: Makers,
     streams: Streams,
@@ -56,7 +56,7 @@ pub(crate) struct LiveTurns {
     notes: Vec<String>,
     /// Over once it is known where the sensor measures.
     learning: Option<Learning>,
-    /// The turn whose packets come now.
+    /// The current revolution.
     current: Option<LiveTurn>,
     /// True if the current revolution was received from its beginning.
     is_whole: bool,
@@ -119,16 +119,16 @@ impl LiveTurns {
         self.is_whole = false;
     }
 
-    /// A datagram from `source` that came at `time` of a clock that never goes back; the turn that is over with it, if
-    /// one is.
+    /// Adds a datagram from `source` that came at `time` of a monotonic clock; returns the revolution that it ends, if
+    /// any.
     ///
     /// # Errors
-    /// Why the packets of a sensor cannot be read: what is missing next to them.
+    /// Packets of a sensor cannot be read: a companion file is missing.
     pub(crate) fn add(&mut self, source: SocketAddr, time: Duration, bytes: &[u8]) -> Result<Option<LiveTurn>, String> {
         self.look(time);
         let datagram = Datagram {
             source: source.ip(),
-            // The port of the socket is whatever the user chose.
+            // The port of the socket is the user's choice.
             port: 0,
             byte_count: bytes.len(),
             bytes,
@@ -173,7 +173,7 @@ impl LiveTurns {
         })
     }
 
-    /// The sender of a packet, as far as it tells; `None` of what has no points.
+    /// The sender of a packet, as far as known; `None` for packets without points.
     fn sender(&mut self, datagram: &Datagram<'_>) -> Option<(Sender, Sort)> {
         let sender = self.makers.sender(datagram)?;
         let sort = match &sender {
@@ -217,8 +217,8 @@ impl LiveTurns {
         self.begin(TurnPart::Cycles { first, end: u8::MAX }, scanner, time, bytes)
     }
 
-    /// Packets that come late go with the turn that has begun, which has no use for them: turns that are handed over
-    /// are not waited for.
+    /// Late packets are added to the current revolution, which does not use them: finished revolutions are not held
+    /// back.
     fn add_frame(
         &mut self,
         part: TurnPart,
@@ -250,7 +250,7 @@ impl LiveTurns {
         }
     }
 
-    /// Begins a turn with a packet; the one before is over.
+    /// Begins a revolution with a packet; the one before is over.
     fn begin(&mut self, part: TurnPart, scanner: Arc<dyn Scanner>, time: Duration, bytes: &[u8]) -> Option<LiveTurn> {
         let turn = LiveTurn {
             scanner,

@@ -1,8 +1,8 @@
-//! Makers of sensors whose packets are read: what a row of the table of makers ([`super::makers`]) has.
+//! Makers of sensors whose packets are read: the content of a row of the table of makers ([`super::makers`]).
 //!
-//! A [`Recogniser`] says of a datagram how certain it is of a sensor of the maker, and opens that [`Sensor`], which
-//! finds where turns begin. Its [`Scanner`] is all that is needed to make points of the packets of a turn, by
-//! [`Unpack`].
+//! A [`Recogniser`] rates how certain a datagram is of a sensor of the maker, and opens that [`Sensor`], which finds
+//! the starts of revolutions. Its [`Scanner`] has everything needed to decode the packets of a revolution into points,
+//! by [`Unpack`].
 
 use super::companions::Companions;
 use super::link::Datagram;
@@ -17,7 +17,7 @@ use std::time::Duration;
 
 /// A maker whose packets are read.
 pub(super) struct Maker {
-    /// For people: the maker, and what its packets are known by.
+    /// Display text: the maker, and the name of its packets.
     pub(super) packets: &'static str,
     /// The file that packets of some of its sensors cannot be read without.
     pub(super) companion: CompanionKind,
@@ -64,7 +64,7 @@ pub(super) enum Confidence {
     Certain,
 }
 
-/// A sender for people, as far as one packet tells: equal for all packets of a sensor.
+/// Display name of a sender, as far as known from one packet: equal for all packets of a sensor.
 pub(super) type Sort = Cow<'static, str>;
 
 /// A sensor, packet by packet. Packets that it does not send say nothing.
@@ -78,7 +78,7 @@ pub(super) trait Sensor: Send {
     /// The time of a packet by the sensor's own clock.
     fn time(&self, packet: &[u8]) -> Option<Duration>;
 
-    /// Turns begin at `seam` from the next packet on.
+    /// Revolutions begin at `seam` from the next packet on.
     fn set_seam(&mut self, seam: Seam);
 
     /// Returns the step of the next packet within the revolutions.
@@ -87,7 +87,7 @@ pub(super) trait Sensor: Send {
 
 /// Step of a packet within the revolutions of its sensor.
 pub(super) enum Step {
-    /// Cycles, at one of which a turn begins, if one does: 0 is the first.
+    /// Cycles, with the one at which a revolution begins, if one does: 0 is the first.
     Cycles(Option<u8>),
     /// Columns of a frame that has a number.
     Frame(FrameId),
@@ -102,9 +102,9 @@ pub(super) trait Scanner: Debug + Send + Sync {
     fn unpack(&self, part: TurnPart) -> Box<dyn Unpack + '_>;
 }
 
-/// Makes points of the packets of a turn.
+/// Decodes the packets of a revolution into points.
 pub(super) trait Unpack {
-    /// Appends the points of a packet, of as much of it as is of the turn; false where the sensor did not send it.
+    /// Appends the points of the part of a packet in the revolution; false where the sensor did not send it.
     fn add(&mut self, packet: &[u8], position: Position, points: &mut Points) -> bool;
 }
 

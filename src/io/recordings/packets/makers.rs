@@ -63,7 +63,7 @@ impl Makers {
     }
 }
 
-/// The makers whose packets are read, for people.
+/// Display text of the makers whose packets are read.
 pub(super) fn all_packets() -> String {
     let packets: Vec<String> = MAKERS.iter().map(|maker| maker.packets.to_owned()).collect();
     listed(&packets, "and")

@@ -57,10 +57,11 @@ use unpacking::Unpacking;
 /// Bytes of a capture that its sensors are learned from: several revolutions of the largest one.
 const PROBE_BYTES: u64 = 48 << 20;
 
-/// Packets between two looks at whether the turn is still wanted.
+/// Packets between two checks for cancellation.
 const PACKETS_PER_LOOK: u32 = 256;
 
-/// The sensors in the capture at `path`, and the turns of `wanted` (of the one that sent most packets, if `None`).
+/// The sensors in the capture at `path`, and the revolutions of `wanted` (of the one that sent most packets, if
+/// `None`).
 pub(in crate::io) fn list(path: &Path, wanted: Option<&str>, options: &ReadOptions) -> Result<Contents, IoError> {
     let failed = |source| IoError::Io {
         path: path.to_owned(),
@@ -112,7 +113,7 @@ pub(in crate::io) fn list(path: &Path, wanted: Option<&str>, options: &ReadOptio
     Ok(contents)
 }
 
-/// The points of a turn.
+/// The points of a revolution.
 pub(in crate::io) fn read(
     path: &Path,
     turn: &Turn,
@@ -171,7 +172,7 @@ pub(in crate::io) fn read(
     Ok(cloud)
 }
 
-/// Finds the packets of a turn in those of a capture.
+/// Finds the packets of a revolution in a capture.
 struct Reading<'a> {
     turn: &'a Turn,
     fragments: Fragments,

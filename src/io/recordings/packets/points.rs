@@ -1,4 +1,4 @@
-//! The points of a turn as they are decoded, and the cloud of them.
+//! The points of a revolution as they are decoded, and their cloud.
 
 use crate::cloud::{Positions, RawCloud, ScalarField};
 use crate::io::error::Fault;
@@ -23,7 +23,7 @@ pub(super) struct Measured {
 /// Maximum number of additional values per point that any sensor provides.
 pub(super) const MAX_VALUES: usize = 4;
 
-/// The points of a turn.
+/// The points of a revolution.
 #[derive(Debug)]
 pub(super) struct Points {
     /// Names of [`Measured::values`], the default one for colouring first.

@@ -1,9 +1,9 @@
 //! The azimuth at which revolutions are cut.
 //!
-//! **How it works.** A sensor may be told to measure in a window of azimuths only, such as 270 to 90 degrees across its
-//! front. Cut at azimuth 0, each frame would be the right half of one sweep and the left half of the next. So azimuths
-//! are collected at the beginning of a capture ([`Coverage`]); where a large part of the circle is never measured and
-//! azimuth 0 is not in it, revolutions are cut in its centre.
+//! **How it works.** A sensor may be configured to measure in a window of azimuths only, such as 270 to 90 degrees
+//! across its front. Cut at azimuth 0, each frame would be the right half of one sweep and the left half of the next.
+//! So azimuths are collected at the beginning of a capture ([`Coverage`]); where a large part of the circle is never
+//! measured and azimuth 0 is not in it, revolutions are cut in its centre.
 
 /// Azimuths are in hundredths of a degree.
 pub(super) const TURN: i32 = 36_000;
@@ -17,7 +17,7 @@ const MIN_GAP_BINS: usize = 30;
 /// Sensors have one window: of several parts of about the same size none is outside of it.
 const MIN_RATIO: usize = 3;
 
-/// The azimuth falls by as much where a revolution begins; less is a head that stands, or a packet that came late.
+/// The azimuth falls by this much where a revolution begins; less is a stopped head, or a late packet.
 const MAX_MIN_FALL: i32 = 2000;
 
 /// Azimuths that were measured.

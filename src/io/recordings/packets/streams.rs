@@ -1,9 +1,9 @@
-//! Streams of packets that come to one port: which of them is the sensor that is shown.
+//! Streams of packets to one port: selection of the sensor that is shown.
 //!
-//! **How it works.** A stream is an address and port that packets come from, all of one kind. The first stream that has
-//! sent a run of [`RUN_PACKETS`] within [`RUN_TIME`] has the place: sensors send hundreds per second, and what strays
-//! or is sent to do harm is mostly single. Another one is named once and skipped. A sensor that sends nothing for a
-//! while loses its place, so that one that was started again, which sends from another port, gets in.
+//! **How it works.** A stream is a source address and port of packets, all of one kind. The first stream that has sent
+//! a run of [`RUN_PACKETS`] within [`RUN_TIME`] is selected: sensors send hundreds per second, while stray or malicious
+//! packets are mostly single. Another one is reported once and skipped. A sensor that is silent for a while is
+//! deselected, so that a restarted one, which sends from another port, can take over.
 //!
 //! **Bounds.** [`MAX_STREAMS`] are remembered; of more, those that have sent least are forgotten.
 
@@ -34,7 +34,7 @@ pub(super) enum PacketUse {
     Skipped,
 }
 
-/// A stream that may be that of a sensor.
+/// A stream that may be a sensor's.
 #[derive(Debug)]
 struct Run {
     sort: Sort,
@@ -70,7 +70,7 @@ impl Streams {
         }
     }
 
-    /// Notes that time has gone on; a sentence where the sensor has lost its place.
+    /// Advances the time; returns a sentence if the sensor was deselected.
     pub(super) fn look(&mut self, now: Duration) -> Option<String> {
         let silent = |shown: &&mut Shown| now.saturating_sub(shown.last) >= self.silence;
         let shown = self.shown.as_mut().filter(silent)?;
@@ -131,7 +131,7 @@ impl Streams {
         });
     }
 
-    /// Makes room for a stream from `address`.
+    /// Frees a slot for a stream from `address`.
     fn forget(&mut self, address: SocketAddr, now: Duration) {
         if self.runs.len() < MAX_STREAMS || self.runs.contains_key(&address) {
             return;
@@ -161,7 +161,7 @@ mod tests {
         Duration::from_millis(millis)
     }
 
-    /// Sends a run, a millisecond each; says what becomes of its last packet.
+    /// Sends a run, one packet per millisecond; returns the use of its last packet.
     fn run(streams: &mut Streams, address: SocketAddr, sort: &Sort, begin: u64) -> PacketUse {
         let verdicts = (0..u64::from(RUN_PACKETS)).map(|at| streams.add(address, sort, ms(begin + at)));
         verdicts.last().unwrap()

@@ -35,12 +35,12 @@ pub(super) struct Traffic {
     kinds: BTreeMap<(u16, usize), Kind>,
     /// By sender and port.
     cut: BTreeMap<(IpAddr, u16), Cut>,
-    /// Packets that are no UDP.
+    /// Packets that are not UDP.
     others: u64,
 }
 
 impl Traffic {
-    /// Counts a packet that is no datagram.
+    /// Counts a packet that is not a datagram.
     pub(super) fn add_other(&mut self) {
         self.others += 1;
     }
@@ -59,7 +59,7 @@ impl Traffic {
         }
     }
 
-    /// Counts a datagram of which the capture has `captured_bytes` of its packet, and not all.
+    /// Counts a truncated datagram: the capture has only `captured_bytes` of its packet.
     pub(super) fn add_cut(&mut self, datagram: &Datagram<'_>, captured_bytes: usize) {
         self.add(datagram);
         let key = (datagram.source, datagram.port);

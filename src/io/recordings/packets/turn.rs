@@ -27,7 +27,7 @@ pub(super) struct TurnPlace {
     pub(super) part: TurnPart,
 }
 
-/// A head that stands turns no more: then so much time is one frame, and so many packets are.
+/// A stopped head has no revolutions: then this time, or this number of packets, is one frame.
 pub(super) const LONGEST_TURN: Duration = Duration::from_secs(2);
 pub(super) const MAX_PACKETS: u64 = 1 << 14;
 

@@ -1,4 +1,4 @@
-//! From the packets of a turn to its points, whichever sensor sent them.
+//! From the packets of a revolution to its points, for any sensor.
 
 use super::maker::{Position, Scanner, Unpack};
 use super::part::TurnPart;
@@ -6,7 +6,7 @@ use super::points::Points;
 use crate::cloud::RawCloud;
 use crate::io::recordings::containers::CAPTURE;
 
-/// Makes points of the packets of a turn.
+/// Decodes the packets of a revolution into points.
 pub(super) struct Unpacking<'a> {
     unpack: Box<dyn Unpack + 'a>,
     pub(super) points: Points,

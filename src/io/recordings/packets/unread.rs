@@ -5,7 +5,7 @@
 pub(super) struct Unread {
     /// A noun in the plural: `Hesai packets`.
     pub(super) name: &'static str,
-    /// The way to points, after a colon; empty for packets without points.
+    /// Advice for reading the points, after a colon; empty for packets without points.
     pub(super) advice: &'static str,
     /// Predicate that returns true if a datagram that was sent to this port is of this kind.
     is_one: fn(u16, &[u8]) -> bool,

@@ -1,4 +1,4 @@
-//! A part of a file, read piece by piece: records are looked at in place.
+//! A part of a file, read piece by piece: records are parsed in place.
 
 use std::fs::File;
 use std::io::{self, Read as _, Seek as _, SeekFrom};

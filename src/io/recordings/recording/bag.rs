@@ -1,7 +1,7 @@
 //! ROS 1 bags, version 2.0: records of a header with named fields, and data; <http://wiki.ros.org/Bags/Format/2.0>.
 //!
-//! Connections (topics) and the index of a chunk stand behind the chunks, so one walk over the heads of the records
-//! meets them. A bag that was not closed has neither: then its chunks are looked into.
+//! Connections (topics) and the index of a chunk follow the chunks, so one walk over the heads of the records meets
+//! them. A bag that was not closed has neither: then its chunks are looked into.
 
 use super::bytes::Bytes;
 use super::chunk::MessageChunk;
@@ -27,7 +27,7 @@ const INDEX: u8 = 0x04;
 const CHUNK: u8 = 0x05;
 const CONNECTION: u8 = 0x07;
 
-/// The fields of a header that are looked at.
+/// The used fields of a header.
 #[derive(Default)]
 struct RecordHeader {
     op: u8,

@@ -79,7 +79,7 @@ impl<'a> Bytes<'a> {
         self.number().map(f64::from_le_bytes)
     }
 
-    /// So many of them.
+    /// `COUNT` of them.
     pub(super) fn f64s<const COUNT: usize>(&mut self) -> Option<[f64; COUNT]> {
         let mut numbers = [0.0; COUNT];
         for number in &mut numbers {

@@ -1,8 +1,8 @@
 //! ROS 2 bags in `SQLite`: a table of topics and one of messages.
 //!
-//! The file is opened for reading only. A database can hold what computes without end in the place of a table (views,
-//! virtual tables, generated columns), so plain tables are asked for; and a damaged one that leads in circles is left
-//! when it yields more rows than the file has bytes for.
+//! The file is opened for reading only. A database can have endless computations instead of a table (views, virtual
+//! tables, generated columns), so plain tables are required; reading of a damaged, cyclic one stops when it yields more
+//! rows than the file has bytes for.
 
 use super::found::{FoundMessages, Wanted};
 use super::message::MessagePlace;
@@ -21,7 +21,7 @@ const ZSTD_MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 const START_BYTES: u64 = 12;
 /// No row of a table is smaller than this on its page.
 const MIN_ROW_BYTES: u64 = 4;
-/// Names of tables that are looked at in a database of another program.
+/// Max examined names of tables in a database of another program.
 const MAX_TABLES: u32 = 1000;
 /// Those that a message has.
 const MAX_NAMED_TABLES: usize = 6;
@@ -49,7 +49,7 @@ pub(super) fn find(path: &Path, wanted: Wanted) -> Result<FoundMessages, Fault> 
     })
 }
 
-/// The kind of the database at `path`, where its tables are those of a program that is known.
+/// The kind of the database at `path`, if its tables belong to a known program.
 pub(super) fn foreign_kind(path: &Path) -> Option<&'static Foreign> {
     let names = table_names(path).unwrap_or_default();
     if has_bag_tables(&names) {
@@ -190,7 +190,7 @@ fn cut_of(path: &Path, file_bytes: u64) -> Option<String> {
         .then(|| format!("the file has {file_bytes} of {claimed} bytes: it was cut, and messages in the rest are lost"))
 }
 
-/// A journal next to the database: whoever wrote it has not ended well.
+/// A journal next to the database: its writer did not end cleanly.
 fn journal_of(path: &Path) -> Option<String> {
     let mut journal = path.as_os_str().to_owned();
     journal.push("-journal");

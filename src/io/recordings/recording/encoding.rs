@@ -21,7 +21,7 @@ pub(super) enum Encoding {
 }
 
 impl Encoding {
-    /// When the cloud was taken, if `start`, the first bytes of the message, says so.
+    /// Acquisition time of the cloud, if `start`, the first bytes of the message, has it.
     pub(super) fn stamp(self, start: &[u8]) -> Option<Duration> {
         match self {
             Self::Ros(serialisation) | Self::Livox(serialisation) => serialisation.stamp(start),
@@ -41,8 +41,7 @@ impl Encoding {
     }
 }
 
-/// The encoding of messages of type `kind`, if they are point clouds; names are those of ROS 1, of ROS 2 and of
-/// Foxglove.
+/// The encoding of messages of type `kind`, if they are point clouds; names are from ROS 1, ROS 2 and Foxglove.
 pub(super) fn encoding_of(kind: &str, encoding: &str) -> Option<Encoding> {
     match (kind, encoding) {
         ("sensor_msgs/PointCloud2" | "sensor_msgs/msg/PointCloud2", _) => {

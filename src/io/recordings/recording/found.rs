@@ -139,7 +139,7 @@ impl FoundMessages {
         matches!(self.topics.get(&id), Some(Some(_)))
     }
 
-    /// Notes a message of a topic that is looked for; `start` is what it begins with.
+    /// Records a message of a wanted topic; `start` has its first bytes.
     pub(super) fn add(&mut self, topic: u32, log_time: Duration, start: &[u8], place: MessagePlace) {
         if let Some(Some(FoundTopic { encoding, camera, .. })) = self.topics.get(&topic) {
             let encoding = *encoding;
@@ -156,7 +156,7 @@ impl FoundMessages {
         self.has_clouds && self.wanted == Wanted::Cameras { with_clouds: false }
     }
 
-    /// True when a chunk with messages of these topics may hold what is looked for.
+    /// True if a chunk with messages of these topics may hold wanted messages.
     pub(super) fn may_be_in_chunk(&self, topics: &[u32]) -> bool {
         topics.is_empty()
             || topics

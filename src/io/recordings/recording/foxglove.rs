@@ -70,7 +70,7 @@ struct JsonTime {
     nsec: u64,
 }
 
-/// When the cloud was taken, if `start`, the first bytes of a message of Protocol Buffers, says so.
+/// Acquisition time of the cloud, if `start`, the first bytes of a message of Protocol Buffers, has it.
 pub(super) fn protobuf_stamp(start: &[u8]) -> Option<Duration> {
     let time = MessageFields::new(start).map_while(|field| field);
     let time = time.into_iter().find(|(number, _)| *number == 1)?.1.bytes();
@@ -85,7 +85,7 @@ pub(super) fn protobuf_stamp(start: &[u8]) -> Option<Duration> {
     time_of(seconds, nanos)
 }
 
-/// When the cloud was taken, if `start`, the first bytes of a message in JSON, says so.
+/// Acquisition time of the cloud, if `start`, the first bytes of a message in JSON, has it.
 pub(super) fn json_stamp(start: &[u8]) -> Option<Duration> {
     let mut rest = start;
     loop {
@@ -100,7 +100,7 @@ pub(super) fn json_stamp(start: &[u8]) -> Option<Duration> {
     }
 }
 
-/// Zero is no time; before 1970, a number with a sign, is none either.
+/// Zero is not a time, nor is a negative number, before 1970.
 fn time_of(seconds: u64, nanos: u64) -> Option<Duration> {
     let is_time = i64::try_from(seconds).is_ok() && nanos < NANOS_PER_SECOND && (seconds, nanos) != (0, 0);
     is_time.then(|| Duration::new(seconds, nanos as u32))

@@ -1,8 +1,8 @@
 //! MCAP: records of a kind (one byte), a length and a body; <https://mcap.dev/spec>.
 //!
-//! Nothing but lengths, numbers and strings is read here; the crate for it would read whole files from memory, or
-//! unpack every chunk to find a channel. Schemas and channels stand in the summary at the end, too, so one walk over
-//! the heads of the records meets them all, whether there is a summary or not.
+//! Only lengths, numbers and strings are read here; the available crate would read whole files from memory, or unpack
+//! every chunk to find a channel. Schemas and channels are also in the summary at the end, so one walk over the heads
+//! of the records meets them all, with or without a summary.
 
 use super::bytes::Bytes;
 use super::chunk::MessageChunk;
@@ -35,7 +35,7 @@ const MESSAGE: u8 = 0x05;
 const CHUNK: u8 = 0x06;
 const MESSAGE_INDEX: u8 = 0x07;
 
-/// Schemas by their number, and what is found.
+/// Schemas by their number, and found messages.
 struct Finder {
     schemas: HashMap<u16, String>,
     found: FoundMessages,
@@ -203,8 +203,8 @@ impl Finder {
         Some(())
     }
 
-    /// Notes a message that begins with `start`; `place` makes its place of the size of what stands before its own
-    /// bytes.
+    /// Records a message that begins with `start`; `place` computes its location from the size of the bytes before its
+    /// own.
     fn message(&mut self, start: &[u8], place: impl FnOnce(u64) -> MessagePlace) -> Option<()> {
         let mut head = Bytes::new(start);
         let channel = head.u16()?;

@@ -12,7 +12,7 @@ pub struct Message {
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum MessagePlace {
-    /// So many bytes from there on in the file.
+    /// `byte_count` bytes at `offset` in the file.
     File { offset: u64, byte_count: u64 },
     /// Location within an unpacked chunk.
     Chunk {

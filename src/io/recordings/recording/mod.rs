@@ -1,10 +1,10 @@
 //! Recordings of robots: messages with point clouds, or with images of depth cameras, and their times.
 //!
 //! A recording is a list of messages on topics, most of them packed together into chunks. [`list`] walks over the heads
-//! of its records once, unpacks only chunks with point clouds (their index says so; chunks without one are looked
-//! into), and notes where each cloud is. [`read`] then touches one message, or the one chunk it is packed in. MCAP and
-//! bags differ only in how their records are written ([`mcap`], [`bag`]); a ROS 2 bag in `SQLite` is asked by
-//! `rusqlite` ([`db3`]). What cameras publish is found by the same walk ([`cameras`], [`camera`]).
+//! of its records once, unpacks only chunks with point clouds (by their index; chunks without one are scanned), and
+//! records the location of each cloud. [`read`] then touches one message, or the one chunk it is packed in. MCAP and
+//! bags differ only in how their records are written ([`mcap`], [`bag`]); a ROS 2 bag in `SQLite` is queried by
+//! `rusqlite` ([`db3`]). Camera messages are found by the same walk ([`cameras`], [`camera`]).
 
 mod bag;
 mod bytes;

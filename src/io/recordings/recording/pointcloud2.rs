@@ -11,7 +11,7 @@ use std::borrow::Cow;
 /// Is in the names of frames that look along Z with Y down (REP 103, "Suffix Frames").
 const OPTICAL: &[u8] = b"optical";
 
-/// Numbers of a field that are kept: more than the longest descriptors have.
+/// Max numbers of a field: more than the longest descriptors have.
 const MAX_NUMBERS: u64 = 2048;
 
 struct PointField {
@@ -130,8 +130,8 @@ impl Grid {
     }
 }
 
-/// The numbers of a field, each as a column. Some drivers count a lone number as none. Where there are no points, of
-/// several the first is enough: nothing vouches for the count.
+/// The numbers of a field, each as a column. Some drivers count a lone number as none. Without points, the first of
+/// several is enough: the count cannot be verified.
 fn numbers<'a>(field: &PointField, cloud: &Cloud<'_>, grid: &Grid, bytes: &'a [u8]) -> Result<Vec<Column<'a>>, Fault> {
     let Some(scalar) = scalar(field.datatype) else {
         return Err(Fault::header(format!(

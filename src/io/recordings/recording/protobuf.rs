@@ -21,7 +21,7 @@ pub(super) enum Value<'a> {
 }
 
 impl<'a> Value<'a> {
-    /// A whole number of whichever kind; zero for what is none.
+    /// An integer of any kind; zero for other values.
     pub(super) fn number(self) -> u64 {
         match self {
             Self::Varint(number) | Self::Fixed64(number) => number,
@@ -30,7 +30,7 @@ impl<'a> Value<'a> {
         }
     }
 
-    /// A number of double precision; zero for what is none.
+    /// A number of double precision; zero for other values.
     pub(super) fn double(self) -> f64 {
         match self {
             Self::Fixed64(bits) => f64::from_bits(bits),
@@ -38,7 +38,7 @@ impl<'a> Value<'a> {
         }
     }
 
-    /// Text, bytes or a message; empty for what is none.
+    /// Text, bytes or a message; empty for other values.
     pub(super) fn bytes(self) -> &'a [u8] {
         match self {
             Self::Bytes(bytes) => bytes,

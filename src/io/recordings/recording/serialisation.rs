@@ -34,7 +34,7 @@ impl Serialisation {
         }
     }
 
-    /// The fields of `message`, past what says how it is written.
+    /// The fields of `message`, after the encapsulation header.
     pub(super) fn body(self, message: &[u8]) -> Option<Bytes<'_>> {
         match self {
             Self::Ros1 => Some(Bytes::new(message)),
@@ -63,7 +63,7 @@ impl Serialisation {
         })
     }
 
-    /// When the content of a message was taken that begins with a header, if `start`, its first bytes, says so.
+    /// Acquisition time in the header of a message, if `start`, its first bytes, has it.
     pub(super) fn stamp(self, start: &[u8]) -> Option<Duration> {
         let (seconds, nanos) = self.time(&mut self.body(start)?)?;
         // ROS 2 has signed 32-bit seconds: no recording is from before 1970.

@@ -4,7 +4,7 @@
 struct UnreadType {
     /// Without package, as in `LaserScan`.
     name: &'static str,
-    /// The way to a topic that is read.
+    /// Advice for getting a topic that is read.
     advice: &'static str,
 }
 

@@ -1,4 +1,4 @@
-//! Steps over the records of a file, reading only what is asked for.
+//! Steps over the records of a file, reading only requested bytes.
 
 use super::chunk::MessageChunk;
 use crate::io::files::long_walk::LongWalk;

@@ -79,7 +79,7 @@ pub(super) fn sog_text(_: &Path, bytes: &[u8]) -> bool {
     is_json_with(bytes, &["means", "quats"]) || is_json_with(bytes, &["means", "scales"])
 }
 
-/// Log ASCII Standard of wells, whose extension is that of LiDAR data.
+/// Log ASCII Standard of wells, which shares its extension with LiDAR data.
 pub(super) fn well_log(_: &Path, bytes: &[u8]) -> bool {
     let mut lines = bytes.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii);
     let first = lines.find(|line| !line.is_empty() && !line.starts_with(b"#"));

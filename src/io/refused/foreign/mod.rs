@@ -1,10 +1,10 @@
-//! Kinds of files that are not read, recognised so that a refusal names them, who writes them, and what converts them.
+//! Kinds of files that are not read, recognised so that a refusal names them, their writers, and converters.
 //!
-//! **How it works.** One row per kind ([`Foreign`]). Content is looked at first: bytes that only files of the kind
-//! begin with, or a structure. It takes precedence over the *extension* of a format that is read, as `.bin`, `.las` and
-//! `.txt` are extensions of many programs; it never takes precedence over the *first bytes* of such a format. Names
-//! count where content says nothing. Kinds that are ZIP archives or folders are recognised by the names of their files,
-//! databases (`SQLite`) by those of their tables.
+//! **How it works.** One row per kind ([`Foreign`]). Content is examined first: magic bytes of the kind, or a
+//! structure. It takes precedence over the *extension* of a format that is read, as `.bin`, `.las` and `.txt` are
+//! extensions of many programs; it never takes precedence over the *first bytes* of such a format. Names count where
+//! content says nothing. Kinds that are ZIP archives or folders are recognised by the names of their files, databases
+//! (`SQLite`) by the names of their tables.
 //!
 //! To add a kind: a row in one of the tables below, and its sample in the test of this module.
 

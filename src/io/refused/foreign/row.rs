@@ -8,9 +8,9 @@ use std::path::Path;
 pub struct Foreign {
     /// With its article: `a CloudCompare project`.
     pub(super) name: &'static str,
-    /// The programs or devices that write it; empty where that says nothing.
+    /// The programs or devices that write it; empty where that adds nothing.
     pub(super) writer: &'static str,
-    /// The way to a file that is read, after a colon.
+    /// Advice for converting it, after a colon.
     pub(super) advice: &'static str,
     /// Bytes that no other file has at this place; any of them is enough.
     pub(super) magic: &'static [Magic],

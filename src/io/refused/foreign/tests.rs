@@ -4,10 +4,10 @@ use super::*;
 use crate::io::Format;
 use std::collections::HashSet;
 
-/// A name and the first bytes of a file, with words of its name for people.
+/// A name and the first bytes of a file, with words of its display name.
 type Sample = (&'static str, &'static [u8], &'static str);
 
-/// Files whose content says their kind, whatever they are called.
+/// Files whose content identifies their kind, whatever their name.
 const BY_CONTENT: &[Sample] = &[
     ("scan.bin", b"CCB2\x00\x00", "CloudCompare"),
     ("scan", b"CCB3\x00\x00", "CloudCompare"),

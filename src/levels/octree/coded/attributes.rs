@@ -6,7 +6,7 @@
 //! | 17–19 | offset along the normal, in eighths of −√3/2 to √3/2 cell edges |
 //! | 20–27 | radius, in twelfths of an octave from a quarter of the cell edge up |
 //! | 32–55 | red, green, blue |
-//! | 56–63 | half the opening of the cone around the normals below, in 255ths of 180° |
+//! | 56–63 | half angle of the cone around the normals below, in 255ths of 180° |
 
 use bytemuck::{Pod, Zeroable};
 use std::f32::consts::PI;
@@ -27,7 +27,7 @@ const RADIUS_SHIFT: u32 = 20;
 const RADIUS_STEPS: f32 = 12.0;
 const SMALLEST_RADIUS_LOG2: f32 = -2.0;
 
-/// Steps of half openings in 180°.
+/// Steps of half angles in 180°.
 const CONE_STEPS: f32 = 255.0;
 
 /// The attributes of a node.
@@ -42,7 +42,7 @@ pub struct NodeAttributes {
 
 impl NodeAttributes {
     /// Packs attributes: the finest index of the normal, the offset in cell edges (the nearest of eight), a radius in
-    /// cell edges (rounded up, as far as there are codes) and half the opening of the normal cone in radians (rounded
+    /// cell edges (rounded up, as far as there are codes) and the half angle of the normal cone in radians (rounded
     /// up).
     pub(super) fn new(normal: u32, offset_edges: f32, radius_edges: f32, color: [u8; 3], cone: f32) -> Self {
         let steps = (1 << OFFSET_BITS) as f32;
@@ -85,13 +85,13 @@ impl NodeAttributes {
         radius_of_code(self.radius_code())
     }
 
-    /// Half the opening of a cone around the normal that holds those of all nodes below, in radians.
+    /// Half angle of a cone around the normal that holds the normals of all nodes below, in radians.
     pub fn cone(self) -> f32 {
         f32::from(self.cone) * (PI / CONE_STEPS)
     }
 }
 
-/// The offset in cell edges that a 3-bit code means when so many of its bits are used, 0 to 3.
+/// The offset in cell edges that a 3-bit code means when this many of its bits are used, 0 to 3.
 pub(crate) fn offset_of_code(code: usize, bits: u32) -> f32 {
     let bits = bits.min(OFFSET_BITS);
     let step = (code >> (OFFSET_BITS - bits)) as f32 + 0.5;

@@ -1,11 +1,11 @@
 //! Attributes of all nodes, from the leaves up.
 //!
-//! How it works: a leaf takes the means of its points (as [`NodeSurfel`] has them), and a node above those of its
+//! How it works: a leaf takes the means of its points (as [`NodeSurfel`] has them), and a node above the means of its
 //! children, weighted by points, so that the points are read once and each level costs a third of the one below. The
 //! surface in a cell is taken for the plane through the mean position across the mean normal: the offset is where the
 //! line through the centre of the cell along the normal meets it (Botsch et al. 2002 §5.1). The radius is the smallest
-//! that covers all disks below from there. Normals are used as they will be decoded, so that a cone holds what is
-//! drawn.
+//! that covers all disks below from there. Normals are used as they will be decoded, so that a cone holds the drawn
+//! normals.
 
 use super::attributes::NodeAttributes;
 use crate::cloud::{FINEST_NORMAL_BITS, PointRecord, ShapeRecord, oct_decode, quantise_normal, quantised_normals};
@@ -26,7 +26,7 @@ struct Summary {
     cell: [u32; 3],
     /// Bounding radius of all disks below, from `drawn_at`.
     radius: f32,
-    /// Half the opening of the cone of normals, in radians.
+    /// Half angle of the cone of normals, in radians.
     cone: f32,
     /// Position of its splat.
     drawn_at: Vec3,
@@ -105,7 +105,7 @@ fn leaves(tree: &Octree, points: &[PointRecord], shapes: &[ShapeRecord]) -> Vec<
         .collect()
 }
 
-/// The nodes of a level with these masks, from those of the level below.
+/// The nodes of a level with these masks, from the nodes of the level below.
 fn parents(tree: &Octree, level: u32, masks: &[u8], below: &[Summary]) -> Vec<Summary> {
     let mut next = 0;
     let firsts: Vec<(usize, usize)> = masks

@@ -2,7 +2,7 @@
 //! (Botsch et al. 2002).
 //!
 //! # Layout Nodes are numbered breadth-first: the root is 0, each level in Morton order. Node `i` above the deepest
-//! level has a byte, its occupied octants; the children of all nodes stand in the order of the bits, so the first child
+//! level has a byte, its occupied octants; the children of all nodes are in the order of the bits, so the first child
 //! of `i` is one more than the bits before byte `i`. To find it without counting from the beginning, the number of bits
 //! before every 64th byte is kept (half a bit for a byte); the rest is eight population counts. A sequential walk over
 //! a level does not even need that.
@@ -15,12 +15,13 @@
 //! *offset*, 3 bits, along the normal from the centre of the cell to the surface (Botsch et al. 2002 §5.1), a radius
 //! and the cone of the normals below, 8 bits each, and a colour.
 //!
-//! The paper needs no radius: its cells are as large as samples are far apart, and so are splats. Here the tree goes as
-//! deep as its stop criterion says, which is mostly deeper, and points may be irregular: a radius says what a node's
+//! The paper needs no radius: its cells are as large as the spacing of samples, and so are splats. Here the tree goes
+//! as deep as its stop criterion says, which is mostly deeper, and points may be irregular: a radius says what a node's
 //! splat has to cover.
 //!
-//! When it wins: a position costs some bits, and is had by adding one vector to that of the cell above; a node takes 8
-//! bytes, where the records of a surfel take 32. What it costs: positions are those of cells, moved along normals only.
+//! When it wins: a position costs some bits, and is decoded by adding one vector to the position of the cell above; a
+//! node takes 8 bytes, where the records of a surfel take 32. What it costs: positions are those of cells, moved along
+//! normals only.
 
 mod attributes;
 mod build;
@@ -55,7 +56,7 @@ pub struct CodedCloud {
     of: Sources,
 }
 
-/// Source records that it was made of, if they still exist: an address in use again names something else.
+/// Source records that it was built from, if they still exist: a reused address is another array.
 #[derive(Debug)]
 struct Sources {
     octree: Weak<Octree>,
@@ -66,7 +67,7 @@ struct Sources {
 /// Storage size of a coded cloud, in bits per leaf.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CodedBits {
-    /// The byte code. On a surface whose cells are as large as its samples are far apart, 2.67 at most (Botsch et al.
+    /// The byte code. On a surface whose cells are as large as its sample spacing, 2.67 at most (Botsch et al.
     /// 2002 §3).
     pub masks: f64,
     /// Entropy of the masks in the same unit: their size if bytes took as many bits as their frequency is worth (the
@@ -85,7 +86,7 @@ pub struct CodedBits {
 impl CodedCloud {
     /// The code of `octree`, with attributes from the records of its points.
     ///
-    /// All leaves have to be on one level. For a tree that divides by numbers of points, it is that of the default
+    /// All leaves have to be on one level. A tree that divides by numbers of points takes the level of the default
     /// criterion.
     ///
     /// # Panics
@@ -132,14 +133,14 @@ impl CodedCloud {
         }
     }
 
-    /// Returns true if it was made of these records.
+    /// Returns true if it was built from these records.
     pub fn is_of(&self, octree: &Arc<Octree>, points: &Arc<Vec<PointRecord>>, shapes: &Arc<Vec<ShapeRecord>>) -> bool {
         std::ptr::eq(self.of.octree.as_ptr(), Arc::as_ptr(octree))
             && std::ptr::eq(self.of.points.as_ptr(), Arc::as_ptr(points))
             && std::ptr::eq(self.of.shapes.as_ptr(), Arc::as_ptr(shapes))
     }
 
-    /// The cube that the root stands for.
+    /// The cube of the root.
     pub fn cube(&self) -> Cube {
         self.cube
     }
@@ -157,7 +158,7 @@ impl CodedCloud {
         }
     }
 
-    /// The deepest level with at most so many nodes.
+    /// The deepest level with at most this many nodes.
     pub fn deepest_level_of(&self, max_nodes: usize) -> u32 {
         let has_few = |&level: &u32| self.level(level).len() <= max_nodes;
         (0..=self.depth()).rev().find(has_few).unwrap_or(0)

@@ -1,4 +1,4 @@
-//! Byte codes with attributes against the octree, against all points, and against normals worked out anew.
+//! Byte codes with attributes against the octree, against all points, and against recomputed normals.
 
 use super::*;
 use crate::cloud::{oct_decode, oct_encode, quantised_normals};
@@ -50,7 +50,7 @@ fn sphere(count: u32, radius: f32) -> Vec<(Vec3, Vec3, f32)> {
     (0..count).map(on_sphere).map(|p| (p, p, radius)).collect()
 }
 
-/// The nodes of a cloud with their levels, cells and children, told from first children and masks alone.
+/// The nodes of a cloud with their levels, cells and children, derived from first children and masks alone.
 fn all_nodes(cloud: &CodedCloud) -> Vec<(usize, u32, [u32; 3], Range<usize>)> {
     let mut nodes = vec![(0, 0, [0; 3])];
     let mut found = Vec::new();
@@ -73,7 +73,7 @@ fn all_nodes(cloud: &CodedCloud) -> Vec<(usize, u32, [u32; 3], Range<usize>)> {
 }
 
 #[test]
-fn nothing_has_no_code() {
+fn an_empty_cloud_has_an_empty_code() {
     let records = records(&[]);
     let cloud = CodedCloud::new(&tree_of(&records, StopCriterion::default()), &records.0, &records.1);
     assert!(cloud.masks().is_empty());
@@ -83,7 +83,7 @@ fn nothing_has_no_code() {
 }
 
 #[test]
-fn a_point_is_a_node_where_it_is() {
+fn a_single_point_is_a_node_at_its_position() {
     let normal = Vec3::new(2.0, -1.0, 2.0) / 3.0;
     let records = records(&[(Vec3::new(1.0, 2.0, 3.0), normal, 0.5)]);
     let octree = tree_of(&records, StopCriterion::Depth(3));
@@ -100,7 +100,7 @@ fn a_point_is_a_node_where_it_is() {
 
 proptest! {
     #[test]
-    fn any_prefix_is_the_tree_of_its_level(
+    fn any_prefix_decodes_to_the_tree_of_its_level(
         points in prop::collection::vec(prop::array::uniform3(-1f32..1.0), 1..400),
         depth in 0u32..8,
     ) {
@@ -115,7 +115,7 @@ proptest! {
         let nodes = all_nodes(&cloud);
         prop_assert_eq!(nodes.len(), cloud.attributes().len());
         for level in 0..=cloud.depth() {
-            // Of all points, one by one.
+            // Of all points, one at a time.
             let mut expected: Vec<[u32; 3]> = finest
                 .iter()
                 .map(|cell| [0, 1, 2].map(|axis| cell.coordinate(axis, level)))
@@ -136,9 +136,9 @@ proptest! {
         }
     }
 
-    /// Of points with one normal, the disk of a node covers those of all points below it, from where it is drawn.
+    /// For points with one normal, the disk of a node, where it is drawn, covers the disks of all points below it.
     #[test]
-    fn radii_cover_what_is_below(
+    fn radii_cover_all_descendants(
         points in prop::collection::vec((prop::array::uniform3(-1f32..1.0), 0.001f32..0.3), 1..200),
         normal in prop::array::uniform3(-1f32..1.0),
         depth in 0u32..6,
@@ -159,7 +159,7 @@ proptest! {
                 if [0, 1, 2].map(|axis| finest.coordinate(axis, level)) == cell {
                     let offset = position - center;
                     let in_plane = (offset - normal * offset.dot(normal)).length();
-                    // The normal of the points is up to 0.6° from the one that is decoded.
+                    // The normal of the points differs by up to 0.6° from the decoded one.
                     prop_assert!(node.radius_edges() * edge >= 0.98 * (in_plane + shape.radius));
                 }
             }
@@ -168,7 +168,7 @@ proptest! {
     }
 
     #[test]
-    fn cones_hold_the_normals_below(
+    fn cones_contain_the_normals_of_all_descendants(
         points in prop::collection::vec(
             (prop::array::uniform3(-1f32..1.0), prop::array::uniform3(-1f32..1.0)), 1..200),
         depth in 0u32..6,
@@ -193,10 +193,9 @@ proptest! {
     }
 }
 
-/// On a sphere that is sampled as densely as its cells are large, the offsets bring the middles of cells to the
-/// surface.
+/// On a sphere that is sampled as densely as its cells are large, the offsets move the centres of cells to the surface.
 #[test]
-fn offsets_lead_to_the_surface() {
+fn offsets_move_points_onto_the_surface() {
     let records = records(&sphere(300_000, 0.01));
     let octree = tree_of(&records, StopCriterion::Depth(6));
     let cloud = CodedCloud::new(&octree, &records.0, &records.1);
@@ -218,10 +217,10 @@ fn offsets_lead_to_the_surface() {
     assert!(without > 0.75 && with < 0.16, "{without} to {with} edges");
 }
 
-/// Of a surface whose cells are as large as its samples are far apart, positions take 8/3 bits at most (Botsch et al.
+/// On a surface whose cells are as large as its sample spacing, positions take 8/3 bits at most (Botsch et al.
 /// 2002 §3).
 #[test]
-fn positions_take_less_than_the_paper_bounds() {
+fn positions_take_fewer_bits_than_the_bound_of_the_paper() {
     let records = records(&sphere(400_000, 0.01));
     let octree = tree_of(&records, StopCriterion::Depth(5));
     let cloud = CodedCloud::new(&octree, &records.0, &records.1);
@@ -233,7 +232,7 @@ fn positions_take_less_than_the_paper_bounds() {
 }
 
 #[test]
-fn leaves_on_several_levels_are_put_on_one() {
+fn leaves_on_several_levels_are_moved_to_one() {
     let records = records(&sphere(2000, 0.05));
     let octree = tree_of(&records, StopCriterion::PointsPerOctant(10));
     let cloud = CodedCloud::new(&octree, &records.0, &records.1);
@@ -243,7 +242,7 @@ fn leaves_on_several_levels_are_put_on_one() {
 }
 
 #[test]
-fn numbers_of_all_sizes_are_survived() {
+fn numbers_of_all_magnitudes_are_handled() {
     let extremes = [0.0, 1e-45, -1e-38, 1e-20, 1.0, 1e30, -3e38, f32::MAX];
     let surfels: Vec<_> = (0..100)
         .map(|index| {

@@ -1,4 +1,4 @@
-//! `cameras.bin`, `images.bin` and `points3D.bin`: a count and as many rows, little-endian.
+//! `cameras.bin`, `images.bin` and `points3D.bin`: a count, then that number of rows, little-endian.
 
 use super::models::Model;
 use super::records::{Cameras, Features, Image, feature, push};

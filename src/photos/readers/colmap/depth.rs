@@ -11,7 +11,7 @@ const MAX_SIDE: usize = 65_536;
 /// Depths along the axis in the unit of the world, 0 where there is none, of a file in `stereo/depth_maps`.
 ///
 /// # Errors
-/// Where the file cannot be read, has another shape or ends early.
+/// An error if the file cannot be read, has another shape or ends early.
 pub fn colmap_depth(path: &Path) -> Result<DepthImage, PhotosError> {
     let file = read_file(path)?;
     let problem = || PhotosError::invalid(path, "byte 0", "expected `WIDTH&HEIGHT&1&` before the depths");

@@ -4,8 +4,8 @@
 //! the quaternion w x y z and then shifted; the centre of the first pixel is at (½, ½). The rows of a file come in any
 //! order and are identified by their numbers; input images are ordered by theirs, so that text and binary files agree.
 //!
-//! From 3.12 on there are rigs and frames as well, which define what moves together. The full pose of each input image
-//! is still stored among the images, so these files are not read.
+//! From 3.12 on there are rigs and frames as well, which define groups that move together. The full pose of each input
+//! image is still stored among the images, so these files are not read.
 
 mod binary;
 mod depth;
@@ -24,7 +24,7 @@ use records::{Cameras, Features, Image};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Names of folders between that of a scene and that of a model.
+/// Names of folders between the scene folder and the model folder.
 const LAYOUT: &[&str] = &[
     "sparse",
     "colmap",
@@ -166,8 +166,8 @@ fn depth_of(folder: &Path, name: &str) -> Option<DepthFile> {
     })
 }
 
-/// The folder of the model, and those above it that are part of its layout: `scene/sparse/0` is of `scene`. The nearest
-/// comes first, as `dense` has undistorted copies of what the scene has under the same names.
+/// The folder of the model, and those above it that are part of its layout: `scene/sparse/0` belongs to `scene`. The
+/// nearest comes first, as `dense` has undistorted copies of the scene's images under the same names.
 fn folders_above(model: &Path) -> Vec<PathBuf> {
     let mut folders = vec![model.to_owned()];
     let mut folder = model;

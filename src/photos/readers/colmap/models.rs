@@ -1,4 +1,4 @@
-//! The camera models of COLMAP by number and name, and those of them that are shown.
+//! The camera models of COLMAP by number and name, and the supported ones.
 //!
 //! Models 0 to 6 are pinholes with the polynomials that `rgbd` has. Others are known by name, to be refused by it: an
 //! image through a lens that is not understood would be drawn in the wrong place.
@@ -19,7 +19,7 @@ pub(super) struct Model {
 /// fx, fy, cx, cy and the lens of the numbers of a camera.
 type MakeLens = fn(&[f64]) -> ([f64; 4], Distortion);
 
-/// By their numbers.
+/// Models by number.
 const MODELS: [Model; 18] = [
     Model::shown("SIMPLE_PINHOLE", 3, |p| (one_focal(p), Distortion::None)),
     Model::shown("PINHOLE", 4, |p| (two_focals(p), Distortion::None)),
@@ -117,7 +117,7 @@ impl Model {
     }
 }
 
-/// Why a camera of the model `name` is not shown, and what to do.
+/// The reason why a camera of the model `name` is not shown, with advice.
 pub(super) fn refusal(name: &str) -> String {
     let shown: Vec<&str> = MODELS
         .iter()

@@ -1,4 +1,4 @@
-//! Rows of COLMAP's files, be they text or binary.
+//! Rows of COLMAP's files, text or binary.
 
 use crate::photos::sets::lens::Lens;
 use crate::photos::sets::points::{Observation, SparsePoints};

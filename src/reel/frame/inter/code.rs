@@ -40,7 +40,7 @@ fn coders<C>(schema: &Schema, sections: usize, coder: impl Fn(StreamKind, usize)
     kinds.into_iter().map(of_kind).collect()
 }
 
-/// The frame behind `followed` as sections; what is followed becomes what a decoder makes of them.
+/// The frame after `followed` as sections; `followed` becomes the decoder's result.
 pub(in crate::reel) fn encode(schema: &Schema, followed: &mut Followed, mut changes: Changes) -> Vec<CodedSection> {
     let counts = followed.counts();
     let ranges = sections_of(&counts);
@@ -178,7 +178,7 @@ fn code_changes<C: BitCoder + Send>(
         });
 }
 
-/// Codes what the nodes of all levels changed by.
+/// Codes the changes of the nodes of all levels.
 fn code_levels<C: BitCoder, const N: usize>(
     coders: &mut [Option<C>],
     plans: &[Vec<Known>],

@@ -15,7 +15,7 @@ use glam::DVec3;
 /// Reference frame that the next one is encoded relative to.
 #[derive(Debug, Clone)]
 pub(in crate::reel) struct Followed {
-    /// The nodes of each level that was decoded, from the root down; then the points, if they are kept one by one.
+    /// The nodes of each level that was decoded, from the root down; then the points, if they are stored individually.
     pub(super) levels: Vec<FollowedLevel>,
     /// Prediction plan of each node.
     pub(super) plans: Vec<Vec<Known>>,
@@ -170,7 +170,7 @@ fn plans_of(levels: &[Level], has_points: bool) -> (Vec<Vec<Known>>, Vec<Family>
     (plans, families)
 }
 
-/// The cloud of the nodes of a level, or of the points where they are kept one by one and `level` is behind the
+/// The cloud of the nodes of a level, or of the points if they are stored individually and `level` is below the
 /// deepest. Scalars have the offsets given.
 pub(in crate::reel) fn cloud_of_followed(
     schema: &Schema,
@@ -206,7 +206,7 @@ mod tests {
     use crate::reel::ReelOptions;
     use crate::reel::frame::{GroupPlan, encode_pose, prepare};
 
-    /// No writer makes one, but damaged bytes may say so.
+    /// No writer makes one, but damaged bytes may contain it.
     #[test]
     fn a_frame_without_points_can_be_followed() {
         let empty = RawCloud::from_positions(Positions::F32(Vec::new()));

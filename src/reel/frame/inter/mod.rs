@@ -1,14 +1,14 @@
 //! Frames that are encoded relative to the previous one: its nodes, moved and changed.
 //!
-//! How it works: where the points of a file keep their order from frame to frame, those of a cell of the key frame stay
-//! together, and the node that stands for them moves as their mean does. The displacement is one more attribute of the
-//! nodes of the key frame's octree, coded level by level: a node moves as its parent does, corrected by the surrounding
-//! motion ([`slope`]). Colours and single numbers are changes, by the transform that colours have in frames that stand
-//! alone; normals turn as those around them.
+//! How it works: where the points of a file keep their order from frame to frame, the points of a cell of the key frame
+//! stay together, and the node that stands for them moves as their mean does. The displacement is one more attribute of
+//! the nodes of the key frame's octree, coded level by level: a node moves as its parent does, corrected by the
+//! surrounding motion ([`slope`]). Colours and single numbers are changes, by the transform of colours in independent
+//! frames; normals turn as those around them.
 //!
-//! When it wins: models that are animated, surfaces that are tracked. What a point has stated once need not be coded
-//! again: of a textured body hardly anything is left but how it moves, and points keep their identity, so nothing
-//! flickers. If every frame is resampled, no two points belong together, and frames stand alone.
+//! When it wins: models that are animated, surfaces that are tracked. An attribute coded once need not be coded again:
+//! for a textured body hardly anything is left but its motion, and points keep their identity, so nothing flickers. If
+//! every frame is resampled, no two points correspond, and frames are independent.
 //!
 //! What it costs: a frame is decoded after those before it, back to the key frame. Coarse levels are decoded from
 //! coarse levels alone.
@@ -30,7 +30,7 @@ use super::schema::{Retained, Schema, Values};
 /// Maximum coded motion of a node in parts of a cell: within it, quotients are exact ([`crate::reel::coder::divided`]).
 const MAX_CHANGE: i32 = 1 << 13;
 
-/// Most bits of a position, so that it may leave the cube.
+/// Maximum bits of a position, so that it may leave the cube.
 const MAX_POSITION_BITS: u32 = 28;
 
 /// Precision of node motion.
@@ -40,8 +40,8 @@ struct MotionScale {
     part_bits: u32,
     /// The steps in which points or the finest nodes move, an odd number of parts, and the least of any level.
     steps: [i32; 2],
-    /// An encoder leaves a node alone that is off by so many parts along an axis: what it was off by before would
-    /// otherwise be told as motion, again and again.
+    /// An encoder leaves a node alone that is off by at most this many parts along an axis: earlier errors would
+    /// otherwise be coded as motion, again and again.
     tolerance: f64,
 }
 

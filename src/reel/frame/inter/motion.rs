@@ -1,9 +1,9 @@
 //! Motion of the nodes of each level, as bits and back.
 //!
 //! How it works: a node moves as its parent does, corrected by the slope of the surrounding motion ([`super::slope`]),
-//! and compensates for what its siblings moved otherwise, as the parent's step is their mean. Coarse levels are coded
-//! in small steps, as everything below moves with them; finer ones in larger and larger ones, so that of a smooth
-//! motion nothing is left to code of them.
+//! and compensates for the deviations of its siblings, as the parent's step is their mean. Coarse levels are coded in
+//! small steps, as everything below moves with them; finer ones in larger and larger ones, so that for a smooth motion
+//! they need no code.
 
 use super::followed::Followed;
 use super::slope::Below;
@@ -11,7 +11,7 @@ use super::{MAX_CHANGE, MotionScale};
 use crate::reel::coder::{BitCoder, MagnitudeModel, RestModels, divided};
 use crate::reel::tree::{Known, NONE};
 
-/// Classes of what earlier axes, and nodes, were off by.
+/// Classes of the errors of earlier axes and nodes.
 const CLASSES: usize = 4;
 
 /// Probability models of motion residuals.
@@ -73,7 +73,7 @@ struct Foreseen<'a> {
     plan: &'a [Known],
     /// The steps of the level above.
     parents: &'a [[i32; 3]],
-    /// Predicted difference of each node's motion from that of its parent.
+    /// Predicted difference of each node's motion from its parent's.
     differences: &'a [[i32; 3]],
 }
 
@@ -90,7 +90,7 @@ fn code_level<C: BitCoder>(
         differences,
     } = *foreseen;
     let mut last_parent = NONE;
-    // The prediction errors of the siblings, and that of the preceding node.
+    // The prediction errors of the siblings, and of the preceding node.
     let mut others = [0i32; 3];
     let mut before = 0usize;
     for (node, known) in plan.iter().enumerate() {

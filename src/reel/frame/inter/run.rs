@@ -21,8 +21,8 @@ pub(in crate::reel) struct Run<'a> {
     /// Point ranges of each node of the deepest level.
     nodes: Vec<Range<usize>>,
     masks: Vec<Vec<u8>>,
-    /// From the mean of the points of a node to where a decoder puts it in the key frame, in parts; of points that are
-    /// kept one by one there are none.
+    /// From the mean of the points of a node to its decoded position in the key frame, in parts; empty for individually
+    /// stored points.
     anchors: Vec<DVec3>,
     /// Target positions of the finest nodes in the frame that is followed, in parts.
     truth: Vec<DVec3>,
@@ -32,7 +32,7 @@ pub(in crate::reel) struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    /// Behind frame `index` of a group, which is `cloud`, and of which a decoder makes `pose` and `followed`.
+    /// The run after frame `index` of a group, which is `cloud` and decodes to `pose` and `followed`.
     pub(in crate::reel) fn new(
         plan: &'a GroupPlan,
         index: usize,
@@ -121,7 +121,7 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// Returns the position tolerance of a node, or of a point that is kept individually, in frame `index`, in parts.
+    /// Returns the position tolerance of a node, or of an individually stored point, in frame `index`, in parts.
     fn tolerance(&self, index: usize, node: usize) -> f64 {
         let scale = motion_scale(self.schema);
         let Some(largest) = self.plan.largest_cells(index) else {
@@ -132,8 +132,8 @@ impl<'a> Run<'a> {
         (half - 2.1).max(scale.tolerance)
     }
 
-    /// Computes the target positions of the finest nodes, in parts: points that are kept individually where the file
-    /// puts them; a node that stands for several as far from their mean as in the key frame.
+    /// Computes the target positions of the finest nodes, in parts: individually stored points where the file puts
+    /// them; a node that stands for several as far from their mean as in the key frame.
     fn truth_of(&self, cloud: &RawCloud) -> Vec<DVec3> {
         let in_parts = |place: DVec3| (place - self.plan.grid.min) * self.parts_per_unit;
         if self.anchors.is_empty() {
@@ -153,8 +153,7 @@ impl<'a> Run<'a> {
         let of_points = PointValues::new(self.schema, &self.plan.grid, cloud);
         let mut summaries = of_points.leaves(&self.nodes, self.order);
         if let (Some((covering, largest)), Some(single)) = (&self.radii, self.schema.radius_single()) {
-            // A disk that covered the points of a node still does so while these stay together, whatever their
-            // rotation.
+            // A disk that covered the points of a node still does so while these stay together, however they rotate.
             let now = of_points.largest_radii(&self.nodes, self.order);
             let grown = covering
                 .iter()

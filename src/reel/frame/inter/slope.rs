@@ -29,7 +29,7 @@ impl Below<'_> {
         &self.positions[self.family.first[node] as usize..self.family.first[node + 1] as usize]
     }
 
-    /// By how much each child moves otherwise than its parent, as the nodes around that do.
+    /// Differences of each child's motion from its parent's, by the motion of the nodes around that.
     pub(super) fn differences(&self) -> Vec<[i32; 3]> {
         let nodes = self.steps.len();
         let centers: Vec<DVec3> = (0..nodes).map(|node| center_of(self.children(node))).collect();
@@ -70,7 +70,7 @@ impl Below<'_> {
     }
 }
 
-/// Steps around a node against ways to it: sums of products, a column for each axis of the way.
+/// Steps around a node against displacements to it: sums of products, a column for each axis of the displacement.
 struct Slope {
     /// Products of direction vectors with direction vectors.
     spread: [DVec3; 3],
@@ -79,7 +79,7 @@ struct Slope {
 }
 
 impl Slope {
-    /// The difference of steps that belongs to a way, in whole parts.
+    /// The difference of steps for a displacement, in whole parts.
     fn along(&self, way: DVec3) -> [i32; 3] {
         let [x, y, z] = self.spread;
         // Cramer's rule, as the matrix is symmetric.
@@ -105,7 +105,7 @@ fn center_of(children: &[[i32; 3]]) -> DVec3 {
 mod tests {
     use super::*;
 
-    /// A body that turns, and is sheared: eight nodes around one of which the children are asked.
+    /// A body that turns, and is sheared: eight nodes around one whose children are predicted.
     #[test]
     fn linear_motion_is_predicted() {
         let way_of = |index: i32| [index % 3 - 1, index / 3 % 3 - 1, index / 9 - 1];

@@ -1,15 +1,15 @@
-//! Robust mean of what several images show at one point, where some of them are wrong.
+//! Robust mean of the colours of several images at one point, where some of them are wrong.
 //!
-//! How it works: the mean of all is taken, in which those count most that look from nearest to where the eye is. Then
-//! it is taken again with weights by how far each is from it, `q = 1 / (1 + d² / s²)` (Cauchy's weights, Holland and
-//! Welsch 1977), twice. So the one image of four that shows something else (a person who walked by, what is before or
-//! behind an outline, a wrong pose) fades. No image appears or vanishes at once.
+//! How it works: the mean of all is taken, in which the images nearest to the eye's direction count most. Then it is
+//! taken again with weights by how far each is from it, `q = 1 / (1 + d² / s²)` (Cauchy's weights, Holland and Welsch
+//! 1977), twice. So the one image of four that shows something else (a person who walked by, the other side of an
+//! outline, a wrong pose) fades. No image appears or vanishes at once.
 //!
-//! An error in the position shows up as a shift that grows with how far an image looks from aside: the variance of what
-//! it shows grows with the square of its angle θ, and the best mean has weights of `n = (θ₁² + a²) / (θ² + a²)`, with
-//! θ₁ of the nearest one (inverse variances; Buehler et al. 2001 take 1/θ). That noise is the same in all images speaks
-//! against it. So `q + (1 − q) · n` is taken: where images agree, all of them count, and noise is averaged; where they
-//! do not, the nearest is right.
+//! An error in the position shows up as a shift that grows with the obliqueness of an image: the variance of its colour
+//! grows with the square of its angle θ, and the best mean has weights of `n = (θ₁² + a²) / (θ² + a²)`, θ₁ being the
+//! nearest one's (inverse variances; Buehler et al. 2001 take 1/θ). That noise is the same in all images speaks against
+//! it. So `q + (1 − q) · n` is taken: where images agree, all of them count, and noise is averaged; where they do not,
+//! the nearest is right.
 
 use crate::render::constants::{PHOTO_AGREEMENT_ROUNDS, PHOTO_PER_DISAGREEMENT2};
 use glam::Vec3;

@@ -32,9 +32,10 @@ pub(super) struct Candidates {
 /// Scores of the images for one point.
 #[derive(Debug, Default)]
 pub(super) struct Scores {
-    /// The cosine of the angle between the ways to the camera and to the eye; [`Scores::NONE`] where it does not look.
+    /// The cosine of the angle between the directions to the camera and to the eye; [`Scores::NONE`] where it does not
+    /// look.
     cosines: Vec<f32>,
-    /// The largest cosine of each eight: most of them need not be gone through for the next one.
+    /// The largest cosine of each eight: most of them need not be searched for the next one.
     largest: Vec<f32>,
     /// Squares of these angles.
     angles2: Vec<f32>,
@@ -42,7 +43,7 @@ pub(super) struct Scores {
     places: [Vec<f32>; 2],
     /// Along the axes of their cameras.
     distances: Vec<f32>,
-    /// The cosine between the way to the camera and the normal; 0 without one.
+    /// The cosine between the direction to the camera and the normal; 0 without one.
     facings: Vec<f32>,
 }
 
@@ -188,7 +189,7 @@ impl Scores {
     #[inline(always)]
     pub(super) fn take_best(&mut self) -> Option<usize> {
         let (mut group, mut cosine) = (0, Self::NONE);
-        // Not over all cosines: searching for the best that way took a fifth of the time.
+        // Not over all cosines: searching all of them for the best took a fifth of the time.
         for (at, &value) in self.largest.iter().enumerate() {
             if value > cosine {
                 (group, cosine) = (at, value);
@@ -205,7 +206,7 @@ impl Scores {
         Some(LANES * group + lane)
     }
 
-    /// The square of the angle between the ways to its camera and to the eye.
+    /// The square of the angle between the directions to its camera and to the eye.
     pub(super) fn angle2(&self, view: usize) -> f32 {
         self.angles2[view]
     }
@@ -215,7 +216,7 @@ impl Scores {
         [self.places[0][view], self.places[1][view]]
     }
 
-    /// The cosine between the way to its camera and the normal of the place; 0 without one.
+    /// The cosine between the direction to its camera and the normal of the place; 0 without one.
     pub(super) fn facing(&self, view: usize) -> f32 {
         self.facings[view]
     }
@@ -249,7 +250,7 @@ mod tests {
         centers.iter().map(of).collect()
     }
 
-    /// Of an eye along +z.
+    /// For an eye along +z.
     fn score(candidates: &Candidates, place: Vec3, normal: Vec3, scores: &mut Scores) {
         dispatch!(Level::new(), simd => candidates.score(simd, place, Vec3::Z, normal, scores));
     }

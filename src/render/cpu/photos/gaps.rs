@@ -1,9 +1,9 @@
 //! Closing of gaps in a surface once all tiles are drawn, where images show that something is there. For the definition
 //! of a gap and its contents see `scene/effects/gaps.rs`.
 //!
-//! How it works: rows are processed in parallel, since what is met around a pixel is what was drawn, not what was
-//! closed; then closed pixels are written. Most pixels that are not covered are background: the distances to the left
-//! and upwards show that for most of them. The one is known while a row is processed, the other is computed before.
+//! How it works: rows are processed in parallel, since the neighbours of a pixel must be the drawn ones, not closed
+//! ones; then closed pixels are written. Most pixels that are not covered are background: the distances to the left and
+//! upwards show that for most of them. The former is known while a row is processed, the latter is computed before.
 //! Specks are looked for in the result.
 
 use super::{PhotoAnswer, Place, Projected, Scores};
@@ -24,7 +24,7 @@ struct End {
 
 impl Projected<'_> {
     /// Closes gaps in an image with opacities instead of alpha, and these reversed depths; fills edges without image
-    /// samples with what lies behind, and remaining specks with what is around them.
+    /// samples with the surface behind, and remaining specks with their surroundings.
     pub(in crate::render::cpu) fn close_gaps(
         &self,
         view: &PixelView,
@@ -50,7 +50,7 @@ impl Projected<'_> {
         });
     }
 
-    /// The pixels of a row that are closed, with their places in the picture.
+    /// The pixels of a row that are closed, with their places in the image.
     #[inline(always)]
     fn closed_of_row<S: Simd>(
         &self,
@@ -117,7 +117,7 @@ fn is_solid(pixel: [u8; 4]) -> bool {
 }
 
 impl Drawn<'_> {
-    /// The specks of a row, no wider than `widest`, with their places in the picture.
+    /// The specks of a row, no wider than `widest`, with their places in the image.
     fn specks_of_row(&self, background: [f32; 3], y: i32, widest: i32) -> Vec<(usize, [u8; 4])> {
         let mut specks = Vec::new();
         for x in 0..self.size[0] {
@@ -181,7 +181,7 @@ impl Drawn<'_> {
         None
     }
 
-    /// The reversed depth of what lies in the gap that a pixel is in, if it is in one.
+    /// The reversed depth of the surface in the gap around a pixel, if it is in one.
     fn depth_in_gap(&self, pixel: [i32; 2], widest: i32) -> Option<f32> {
         let mut found = None;
         let mut shortest = f32::INFINITY;
@@ -241,7 +241,7 @@ mod tests {
         0.5 + 0.002 * x as f32 - 0.001 * y as f32
     }
 
-    /// What is found at `pixel` of a surface of these reversed depths, which is open where `is_open` says so.
+    /// Result at `pixel` of a surface of these reversed depths, which is open where `is_open` says so.
     fn found(depth: impl Fn([i32; 2]) -> f32, is_open: impl Fn([i32; 2]) -> bool, pixel: [i32; 2]) -> Option<f32> {
         let all = || (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| [x, y]));
         let pixels: Vec<[u8; 4]> = all().map(|at| [0, 0, 0, if is_open(at) { 0 } else { 255 }]).collect();

@@ -61,9 +61,9 @@ struct Place {
 #[derive(Debug, Clone, Copy, Default)]
 struct Seeing {
     view: usize,
-    /// Square of the angle between the ways to it and to the eye.
+    /// Square of the angle between the directions to it and to the eye.
     angle2: f32,
-    /// Fraction of the surface that it sees, relative to what the eye sees of it.
+    /// Fraction of the surface that it sees, relative to the eye's.
     share: f32,
     /// Factors on its weight, the share among them.
     trust: f32,
@@ -111,8 +111,8 @@ impl<'a> Projected<'a> {
         }
     }
 
-    /// Writes what they say of the surface in a tile, to the rows of the picture that the tile is in. Precondition: the
-    /// tile holds sums of surfaces.
+    /// Writes their results for the surface in a tile, to the tile's rows of the rendered image. Precondition: the tile
+    /// holds sums of surfaces.
     #[inline(always)]
     pub(super) fn look<S: Simd>(
         &self,
@@ -188,7 +188,7 @@ impl<'a> Projected<'a> {
     fn find<S: Simd>(&self, simd: S, place: &Place, scores: &mut Scores) -> PhotoAnswer {
         self.candidates
             .score(simd, place.position, place.to_eye, place.normal, scores);
-        // One more than is blended: weights are relative to that of the last.
+        // One more than is blended: weights are relative to the last one's.
         let mut seeing = [Seeing::default(); PhotoStyle::MAX_VIEWS + 1];
         let wanted = self.views.blended + 1;
         let (mut count, mut through, mut nearest) = (0, 0.0, None);
@@ -244,14 +244,14 @@ impl<'a> Projected<'a> {
         self.blend(place, seeing, scores)
     }
 
-    /// The weight of a view whose squared angle is so much larger than that of the nearest (Eq. 2).
+    /// The weight of a view whose squared angle is this much larger than the nearest one's (Eq. 2).
     #[inline(always)]
     fn weight(&self, angle2: f32) -> f32 {
         (-angle2 * self.views.per_sigma2).exp()
     }
 
-    /// Blends the colours of the images that see a point, nearest first, with one more than is blended if there are as
-    /// many.
+    /// Blends the colours of the images that see a point, nearest first, with one more than is blended if there are
+    /// enough.
     #[inline(always)]
     fn blend(&self, place: &Place, seeing: &[Seeing], scores: &Scores) -> PhotoAnswer {
         let Some(nearest) = seeing.first() else {
@@ -335,8 +335,8 @@ impl<'a> Projected<'a> {
     }
 }
 
-/// Returns the fraction of a surface that an image sees relative to what the eye sees of it: less, if it sees it at a
-/// more grazing angle.
+/// Returns the fraction of a surface that an image sees relative to the eye's: less, if it sees it at a more grazing
+/// angle.
 #[inline(always)]
 fn share_seen(place: &Place, facing: f32) -> f32 {
     let facing_eye = place.normal.dot(place.to_eye);
@@ -348,7 +348,7 @@ fn share_seen(place: &Place, facing: f32) -> f32 {
 }
 
 /// Returns the trust in an image relative to others. The surface is not quite where the points are: near a depth
-/// discontinuity that is seen from another direction than the eye's, an image shows what is next to it.
+/// discontinuity seen from another direction than the eye's, an image shows the neighbouring surface.
 #[inline(always)]
 fn trust(angle2: f32, is_near_step: bool) -> f32 {
     if !is_near_step {

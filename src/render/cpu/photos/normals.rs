@@ -1,11 +1,11 @@
-//! Depth-map normals of what images show (Yang et al. 2006 §4.1, Eqs. 5–7), for relighting.
+//! Depth-map normals of the surfaces in images (Yang et al. 2006 §4.1, Eqs. 5–7), for relighting.
 //!
 //! How it works: the four texels around a depth are projected back to positions in camera space, each with its own
 //! depth, and the normal is perpendicular to the vectors between opposite ones: `(l − r) × (u − d)`. Depths are along
-//! the axis, so planes have exact normals. There is none where one of the four is beyond a step, or unknown; nor where
-//! the surface is seen at more than 80° from its normal, as at silhouettes the vectors are as long as the surface is
-//! curved. Between texels, the normals of the four around a position are blended. Nothing is stored: a rendered frame
-//! asks for some 16 normals per pixel, which are fewer than those of all maps.
+//! the axis, so planes have exact normals. There is no normal where one of the four is beyond a step, or unknown; nor
+//! where the surface is seen at more than 80° from its normal, as at silhouettes the vectors are as long as the surface
+//! is curved. Between texels, the normals of the four around a position are blended. Nothing is stored: a rendered
+//! frame asks for some 16 normals per pixel, which are fewer than in all maps.
 //!
 //! The same arithmetic: `shaders/common/photos.wgsl`.
 
@@ -20,7 +20,7 @@ struct DepthView<'a> {
     principal: [f32; 2],
 }
 
-/// Returns the depth-map normal of what an image shows, in the view space of the rendered frame, of length 1 and
+/// Returns the depth-map normal of the surface in an image, in the view space of the rendered frame, of length 1 and
 /// towards its camera; zero where it cannot be determined from the depths. `place` is in texels of the finest level of
 /// the image.
 #[inline(always)]
@@ -75,8 +75,8 @@ impl DepthView<'_> {
         }
     }
 
-    /// Returns the position at a texel, in camera space; at the camera where nothing is known. Texels beyond the border
-    /// are clamped to it.
+    /// Returns the position at a texel, in camera space; at the camera if unknown. Texels beyond the border are clamped
+    /// to it.
     #[inline(always)]
     fn place(&self, column: i32, row: i32) -> Vec3 {
         let [width, height] = self.map.size.map(|edge| edge as i32);
@@ -116,7 +116,7 @@ mod tests {
         Vec3::new(slope(0), slope(1), 1.0)
     }
 
-    /// The map of a surface that says where each ray meets it: a factor on it, 0 for nothing.
+    /// The map of a surface by its intersection with each ray: a factor on it, 0 for nothing.
     fn map(edge_px: u32, view: &PhotoView, along: impl Fn(Vec3) -> f32) -> DepthMap {
         let per_texel = view.size[0] / edge_px as f32;
         let midpoints = (0..edge_px * edge_px).map(|at| [at % edge_px, at / edge_px]);
@@ -125,7 +125,7 @@ mod tests {
     }
 
     fn degrees_between(a: Vec3, b: Vec3) -> f32 {
-        // Not by the cosine, which has no digits for small angles.
+        // Not by the cosine, which has no precision for small angles.
         a.cross(b).length().atan2(a.dot(b)).to_degrees()
     }
 
@@ -136,7 +136,7 @@ mod tests {
     const CENTER: Vec3 = Vec3::new(0.05, -0.03, 3.0);
     const RADIUS: f32 = 0.9;
 
-    /// Where a ray meets a ball around [`CENTER`].
+    /// Intersection of a ray with a ball around [`CENTER`].
     fn on_ball(ray: Vec3) -> f32 {
         let (a, b) = (ray.length_squared(), ray.dot(CENTER));
         let below = b * b - a * (CENTER.length_squared() - RADIUS * RADIUS);
@@ -187,7 +187,7 @@ mod tests {
         assert!(compared > 500, "{compared} places");
     }
 
-    /// A map of a quarter of the texels tells the same, less exactly.
+    /// A map of a quarter of the texels gives the same, less exactly.
     #[test]
     fn depth_maps_coarser_than_images_are_sampled_in_their_own_texels() {
         let view = view(512);

@@ -1,10 +1,11 @@
-//! Hole filling where images leave holes, from what is around (Gortler et al. 1996, *The Lumigraph*, §3.5: push–pull).
+//! Filling of the holes that images leave, from their surroundings (Gortler et al. 1996, *The Lumigraph*, §3.5:
+//! push–pull).
 //!
-//! How it works: the image samples of all pixels are kept separately from the rendered frame. Going up (pull), each
+//! How it works: the image samples of all pixels are stored separately from the rendered frame. Going up (pull), each
 //! pixel of a level of half the size has the mean colour of its four, weighted by confidence, and has the confidence of
-//! all of them together, at most 1. Going down (push), what is not fully confident takes the rest from the level above,
-//! between whose pixels it lies. So a small hole has the colour of its edge, and a large one is smooth; the work is
-//! that of a third more pixels. Pixels that are not surface neither give nor take.
+//! all of them together, at most 1. Going down (push), a pixel that is not fully confident takes the rest from the
+//! level above, between whose pixels it lies. So a small hole has the colour of its edge, and a large one is smooth;
+//! the work equals a third more pixels. Pixels that are not surface neither give nor take.
 
 use super::PhotoAnswer;
 use rayon::prelude::*;
@@ -12,7 +13,7 @@ use rayon::prelude::*;
 /// Red, green and blue times how sure they are, and that, 0 to 1.
 type Sure = [f32; 4];
 
-/// A picture of a level of the pyramid.
+/// An image of a level of the pyramid.
 struct Level {
     size: [usize; 2],
     pixels: Vec<Sure>,
@@ -94,8 +95,8 @@ impl Level {
         });
     }
 
-    /// Interpolates at a pixel of the next finer level: its centre lies a quarter of a pixel from that of the one it is
-    /// in, towards one on each axis.
+    /// Interpolates at a pixel of the next finer level: its centre lies a quarter of a pixel from the centre of the one
+    /// it is in, towards one on each axis.
     fn between(&self, finer: [usize; 2]) -> Sure {
         let [columns, rows] = [0, 1].map(|axis| {
             let own = finer[axis] / 2;
@@ -191,7 +192,7 @@ mod tests {
     }
 
     proptest! {
-        /// Of colours between two, and all pixels that can be filled are.
+        /// Colours lie between the two, and all pixels that can be filled are.
         #[test]
         fn holes_have_colors_between_those_around(
             width in 1_u32..40,

@@ -37,7 +37,7 @@ pub(super) fn sample(texture: &Texture, footprint: &Footprint) -> [f32; 4] {
     (sum / taps).to_array()
 }
 
-/// Not `hypot`, which is a call.
+/// Length of a vector; not by `hypot`, which is a call.
 #[inline(always)]
 fn length([x, y]: [f32; 2]) -> f32 {
     (x * x + y * y).sqrt()

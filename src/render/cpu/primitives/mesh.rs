@@ -204,7 +204,7 @@ impl SeenMesh<'_> {
         }
     }
 
-    /// The picture of the first corner: the others have the same.
+    /// The texture of the first corner: the others have the same.
     fn texture(&self, record: &TriangleRecord) -> Option<TextureOnTriangle<'_>> {
         let records = self.mesh.records;
         let [a, b, c] = record.corners.map(|corner| &records.vertices[corner as usize]);
@@ -250,8 +250,7 @@ impl SeenMesh<'_> {
     }
 }
 
-/// Draws a pixel of a point, unless something is nearer. It has no normal: where light falls on the finished surface,
-/// it gets none.
+/// Draws a pixel of a point, unless something is nearer. It has no normal: when the finished surface is lit, it is not.
 #[inline(always)]
 fn put(tile: &mut Tile, at: usize, depth: f32, color: [f32; 3]) {
     if depth < tile.depth[at] {

@@ -25,7 +25,7 @@ pub(super) enum Drawable<'a> {
     Cubes(Cubes<'a>),
     Mesh(Mesh<'a>),
     Coded(Coded<'a>),
-    /// The frame lacks what the primitive needs.
+    /// The frame lacks data that the primitive needs.
     Nothing,
 }
 
@@ -76,8 +76,8 @@ impl<'a> Drawable<'a> {
         }
     }
 
-    /// Draws what [`Drawable::blocks`] are around, in a light if shading is deferred; how many records were handed to
-    /// tiles.
+    /// Draws the records within [`Drawable::blocks`], lit if shading is deferred; returns the number of records handed
+    /// to tiles.
     pub(super) fn draw(
         &self,
         packet: &ScenePacket,
@@ -96,8 +96,7 @@ impl<'a> Drawable<'a> {
     }
 }
 
-/// `packet` as it is drawn for depths alone, without light: what is blended in two passes lies on the disks of its
-/// first.
+/// `packet` as it is drawn for depths alone, without light: splats blended in two passes lie on the disks of the first.
 pub(super) fn of_surfaces(packet: &ScenePacket) -> ScenePacket {
     let mut packet = packet.clone();
     packet.style.light.lighting = Lighting::Unlit;

@@ -186,7 +186,8 @@ struct EightCells<S: Simd> {
 }
 
 impl<S: Simd> EightCells<S> {
-    /// The factors on depths with which a shadow map leaves room for the faces of cells, which are steps of a surface.
+    /// The factors on depths with which a shadow map leaves a margin for the faces of cells, which are steps of a
+    /// surface.
     #[inline(always)]
     fn push_back(&self, view: &PixelView, slack: f32) -> f32x8<S> {
         let distances = self.offsets.dot(self.offsets).sqrt().max(view.near);

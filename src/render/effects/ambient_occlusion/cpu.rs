@@ -1,7 +1,7 @@
-//! Ambient occlusion on the processor (`shaders/effects/ambient_occlusion.wgsl`): of eight pixels of a row at a time.
-//! The formula: `scene/effects/ambient_occlusion.rs`.
+//! Ambient occlusion on the CPU (`shaders/effects/ambient_occlusion.wgsl`): of eight pixels of a row at a time. The
+//! formula: `scene/effects/ambient_occlusion.rs`.
 //!
-//! Depths are drawn before all else: a tile is lit when it is drawn, and needs those of its neighbours.
+//! Depths are drawn before all else: a tile is lit when it is drawn, and needs the depths of its neighbours.
 
 use crate::render::cpu::eight::{Vectors, lane_numbers};
 use crate::render::cpu::tile::LANES;
@@ -9,7 +9,7 @@ use crate::render::cpu::view::PixelView;
 use crate::scene::AmbientOcclusion;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
 
-/// The reversed depths of a picture, and what they hide light with.
+/// The reversed depths of an image, and the parameters of their occlusion.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::render) struct Occlusion<'a> {
     settings: AmbientOcclusion,
@@ -89,7 +89,7 @@ impl<'a> Occlusion<'a> {
         simd.select_f32x8(is_drawn, open, splat(1.0))
     }
 
-    /// Depths from a pixel on; none where the picture ends.
+    /// Depths from a pixel on; none past the edge of the image.
     #[inline(always)]
     fn eight_of_row<S: Simd>(&self, simd: S, [x, y]: [usize; 2]) -> f32x8<S> {
         let [width, _] = self.size_px;
@@ -100,7 +100,7 @@ impl<'a> Occlusion<'a> {
         f32x8::from_slice(simd, &eight)
     }
 
-    /// Depths of pixels of the picture.
+    /// Depths of pixels of the image.
     #[inline(always)]
     fn at<S: Simd>(&self, simd: S, columns: f32x8<S>, rows: f32x8<S>) -> f32x8<S> {
         let [columns, rows] = [simd.cvt_i32_f32x8(columns), simd.cvt_i32_f32x8(rows)];

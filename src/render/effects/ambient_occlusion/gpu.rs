@@ -32,7 +32,7 @@ shared_struct! {
         near_radius_px: f32,
         /// The largest one.
         max_radius_px: f32,
-        /// Strength of the darkening; 0 if there is no ambient occlusion.
+        /// Strength of the darkening; 0 without ambient occlusion.
         strength: f32,
         /// Padding.
         unused: f32,

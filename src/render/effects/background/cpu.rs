@@ -1,4 +1,4 @@
-//! The gradient on the processor: tiles begin with it, and what shines through is it.
+//! The gradient on the CPU: tiles begin with it, and it shines through.
 
 use crate::scene::{Background, ScenePacket};
 
@@ -6,7 +6,7 @@ use crate::scene::{Background, ScenePacket};
 #[derive(Debug, Clone, Copy)]
 pub(in crate::render) struct Gradient {
     background: Background,
-    /// Shares of the whole picture's height, at the top of the first row and a row's.
+    /// Shares of the whole image's height, at the top of the first row and a row's.
     first_row: f32,
     per_row: f32,
 }

@@ -6,7 +6,7 @@ mod gpu;
 
 use super::effect::{Effect, OnCpu, Stage};
 
-/// A gradient; one colour is no more than what the picture is cleared with.
+/// A gradient; a single colour is only the clear colour of the image.
 pub(super) const EFFECT: Effect = Effect {
     stage: Stage::Behind,
     is_on: |packet| {

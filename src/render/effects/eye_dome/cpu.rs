@@ -11,14 +11,14 @@ use crate::render::effects::effect::{PictureRow, RowStep};
 use crate::scene::{EyeDomeLight, ScenePacket};
 use fearless_simd::{Bytes, Simd, SimdBase, SimdFloat, dispatch, f32x8};
 
-/// Shades what covers the background.
+/// Shades the surface that covers the background.
 #[derive(Debug)]
 struct Shading {
     light: EyeDomeLight,
     gradient: Gradient,
 }
 
-/// That of a packet.
+/// The settings of a packet.
 pub(super) fn step(packet: &ScenePacket) -> Option<Box<dyn RowStep>> {
     let light = EyeDomeLight::of(packet)?;
     let gradient = Gradient::of(packet);
@@ -44,7 +44,7 @@ impl RowStep for Shading {
     }
 }
 
-/// A row of a picture, and those around it.
+/// A row of an image, and those around it.
 struct EyeDome<'a> {
     light: &'a EyeDomeLight,
     row: &'a [f32],
@@ -71,7 +71,8 @@ impl<'a> EyeDome<'a> {
         }
     }
 
-    /// The shades of eight pixels from `x` on; `None` where none has a depth. Where the row ends, of what is not there.
+    /// The shades of eight pixels from `x` on; `None` where none has a depth. Past the end of the row, of missing
+    /// pixels.
     #[inline(always)]
     fn shades<S: Simd>(&self, simd: S, x: usize) -> Option<f32x8<S>> {
         let halo = self.light.halo_px() as usize;
@@ -134,7 +135,7 @@ impl<'a> EyeDome<'a> {
     }
 }
 
-/// Adds what a neighbour of each of eight pixels does: steps, and the share of neighbours without depth.
+/// Adds the effect of a neighbour of each of eight pixels: steps, and the share of neighbours without depth.
 #[inline(always)]
 fn add<S: Simd>(
     simd: S,
@@ -149,7 +150,7 @@ fn add<S: Simd>(
     *outside += simd.select_f32x8(is_there, nothing, f32x8::splat(simd, 0.125));
 }
 
-/// `exp(-x)` for x from 0 up, to a part in 100,000: far below what a byte shows.
+/// `exp(-x)` for x from 0 up, to a part in 100,000: far below the precision of a byte.
 #[inline(always)]
 fn exp_of_minus<S: Simd>(simd: S, x: f32x8<S>) -> f32x8<S> {
     let y = (x * -std::f32::consts::LOG2_E).max(-60.0);
@@ -165,7 +166,7 @@ fn exp_of_minus<S: Simd>(simd: S, x: f32x8<S>) -> f32x8<S> {
     series * exponent.bitcast::<f32x8<S>>()
 }
 
-/// Multiplies what covers the background by up to eight shades.
+/// Multiplies the surface that covers the background by up to eight shades.
 #[inline(always)]
 fn shaded<S: Simd>(simd: S, pixels: &mut [[u8; 4]], shade: f32x8<S>, background: [f32; 3]) {
     let ([red, green, blue], opacity) = unpacked(simd, pixels);
@@ -186,7 +187,7 @@ mod tests {
     use fearless_simd::{Level, dispatch};
     use proptest::prelude::*;
 
-    /// Sums up what the doc of [`EyeDomeLight`] says, pixel by pixel.
+    /// Sums according to the doc of [`EyeDomeLight`], pixel by pixel.
     fn by_definition(light: &EyeDomeLight, [width, height]: [usize; 2], depths: &[f32], [x, y]: [usize; 2]) -> f32 {
         let own = depths[width * y + x];
         if own == 0.0 {

@@ -9,7 +9,7 @@ use crate::render::gpu::wgsl::shader_file;
 use crate::scene::{EyeDomeLight, ScenePacket};
 use bytemuck::Zeroable;
 
-/// Eye-dome lighting pass: multiplies what is drawn so far by the shade of each pixel.
+/// Eye-dome lighting pass: multiplies the drawn surface by the shade of each pixel.
 pub(super) const PASS: ScreenPass = ScreenPass {
     name: "eye-dome lighting",
     files: &[shader_file!("effects/eye_dome.wgsl")],
@@ -22,8 +22,8 @@ pub(super) const PASS: ScreenPass = ScreenPass {
     depth: None,
 };
 
-/// Eye-dome lighting of what the attribute pass left, before it is resolved: so the background that shines through at
-/// the edges of splats keeps its colour, as all of the background does.
+/// Eye-dome lighting of the attribute pass's output, before it is resolved: so the background that shines through at
+/// the edges of splats keeps its colour, as the rest of the background does.
 pub(super) const OF_SUMS: ScreenPass = ScreenPass {
     name: "eye-dome lighting of sums",
     color: ColorUse {
@@ -52,7 +52,7 @@ shared_struct! {
         reach_px: [i32; 2],
         /// Straight and on diagonals.
         gains: [f32; 2],
-        /// Most that a step adds.
+        /// Maximum contribution of a step.
         max: f32,
         /// The darkness of edges.
         edge: f32,

@@ -1,4 +1,4 @@
-//! Eye-dome lighting (Boucheny 2009): what stands behind its neighbours gets darker. The formula:
+//! Eye-dome lighting (Boucheny 2009): pixels behind their neighbours get darker. The formula:
 //! `scene/effects/eye_dome.rs`.
 
 mod cpu;
@@ -8,7 +8,7 @@ mod gpu;
 use super::effect::{Effect, OnCpu, Stage};
 use crate::scene::EyeDomeLight;
 
-/// Shades what is drawn by its depths.
+/// Shades the drawn surface by its depths.
 pub(super) const EFFECT: Effect = Effect {
     stage: Stage::Drawn,
     is_on: |packet| EyeDomeLight::of(packet).is_some(),

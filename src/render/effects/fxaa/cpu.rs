@@ -7,8 +7,8 @@
 //! part of it, depending on the position between the ends. That fraction of the neighbour is mixed in. Details of
 //! single pixels are mixed with their surroundings.
 //!
-//! Fractions are those of the pixel centres between the ends, so that straight edges are covered exactly; Lottes counts
-//! from their borders.
+//! Fractions count pixel centres between the ends, so that straight edges are covered exactly; Lottes counts from their
+//! borders.
 
 use crate::render::constants::{
     FXAA_BLUE, FXAA_DETAIL, FXAA_END_OF_EDGE, FXAA_GREEN, FXAA_MAX_BLENDED, FXAA_MIN_CONTRAST, FXAA_MIN_SHARE, FXAA_RED,
@@ -18,7 +18,7 @@ use glam::Vec3;
 use image::RgbaImage;
 use rayon::prelude::*;
 
-/// The picture that was drawn.
+/// The drawn image.
 struct AliasedPicture<'a> {
     pixels: &'a [[u8; 4]],
     lumas: &'a [f32],

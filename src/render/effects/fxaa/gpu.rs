@@ -10,7 +10,7 @@ use crate::render::gpu::targets::{Source, Target};
 use crate::render::gpu::wgsl::shader_file;
 use crate::scene::Antialiasing;
 
-/// The picture that is shown, with smooth edges.
+/// The image shown, with smooth edges.
 pub(super) const PASS: ScreenPass = ScreenPass {
     name: "FXAA",
     files: &[shader_file!("effects/fxaa.wgsl")],

@@ -1,4 +1,4 @@
-//! Fast approximate antialiasing (Lottes 2009): the picture that is shown, with smooth edges.
+//! Fast approximate antialiasing (Lottes 2009): the image shown, with smooth edges.
 
 mod cpu;
 #[cfg(feature = "gpu")]

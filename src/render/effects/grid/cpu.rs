@@ -1,4 +1,4 @@
-//! The grid on the ground on the processor (`shaders/effects/grid.wgsl`): eight pixels of a row at a time.
+//! The grid on the ground on the CPU (`shaders/effects/grid.wgsl`): eight pixels of a row at a time.
 
 use crate::render::constants::{COARSE_LINES, FINE_LINES, NARROWEST_CELL_PX, USUAL_LINES, WIDEST_CELL_PX};
 use crate::render::cpu::eight::{Vectors, lane_numbers};
@@ -19,7 +19,7 @@ struct Grid {
     slope_per_px: [f32; 2],
 }
 
-/// That of a packet.
+/// The settings of a packet.
 pub(super) fn step(packet: &ScenePacket) -> Option<Box<dyn RowStep>> {
     let ground = packet.ground?.seen_by(&packet.view);
     Some(Box::new(Grid::new(ground, packet)))
@@ -49,7 +49,7 @@ impl Grid {
         }
     }
 
-    /// Lays lines over a row of the picture, where nothing is before them.
+    /// Lays lines over a row of the image, where nothing is in front of them.
     #[inline(always)]
     fn draw_row<S: Simd>(&self, simd: S, y: usize, depths: &[f32], pixels: &mut [[u8; 4]]) {
         let [line_red, line_green, line_blue] = self.ground.color;

@@ -10,7 +10,7 @@ use crate::render::gpu::wgsl::shader_file;
 use crate::scene::ScenePacket;
 use bytemuck::Zeroable;
 
-/// Lines on the ground, laid over the picture where nothing is before them.
+/// Lines on the ground, laid over the image where nothing is in front of them.
 pub(super) const PASS: ScreenPass = ScreenPass {
     name: "grid",
     files: &[shader_file!("effects/grid.wgsl")],
@@ -45,7 +45,7 @@ shared_struct! {
         color: [f32; 4],
         /// Between two lines, scene units.
         spacing: f32,
-        /// Pixels that are drawn for one that is shown, along both edges of the picture.
+        /// Pixels drawn per pixel shown, along both edges of the image.
         samples_per_edge: f32,
         /// Padding.
         unused: [f32; 2],

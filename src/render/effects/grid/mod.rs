@@ -1,4 +1,4 @@
-//! The grid on the ground, hidden by what is before it. The plane and its lines: `scene/view/ground.rs`.
+//! The grid on the ground, hidden by surfaces in front of it. The plane and its lines: `scene/view/ground.rs`.
 
 mod cpu;
 #[cfg(feature = "gpu")]

@@ -1,4 +1,4 @@
-//! The shadow of the key light on the processor (`shaders/effects/shadow.wgsl`): on eight pixels at a time. How:
+//! The shadow of the key light on the CPU (`shaders/effects/shadow.wgsl`): on eight pixels at a time. How:
 //! `scene/light/shadow.rs`.
 
 use crate::render::cpu::eight::Vectors;

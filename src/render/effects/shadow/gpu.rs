@@ -23,7 +23,7 @@ const SHADOW_SLOPE_TEXELS: f32 = Shadow::OFFSET_TEXELS[1];
 shared_struct! {
     /// As [`Shadow`] has it.
     ShadowUniform as "Shadow" {
-        /// Rows of the matrix from view space into that of the lamp, which the shadow map is drawn in.
+        /// Rows of the matrix from view space into the space of the lamp, which the shadow map is drawn in.
         lamp_from_view_x: [f32; 4],
         /// The second row.
         lamp_from_view_y: [f32; 4],
@@ -33,7 +33,7 @@ shared_struct! {
         focal: f32,
         /// Distance of the lamp to its near plane.
         near: f32,
-        /// Edge of a texel of the shadow map at the centre of the cloud, scene units; 0 where there are no shadows.
+        /// Edge of a texel of the shadow map at the centre of the cloud, scene units; 0 without shadows.
         texel: f32,
         /// Padding.
         unused: f32,

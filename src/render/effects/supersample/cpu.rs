@@ -1,4 +1,4 @@
-//! Supersampling on the processor (`shaders/effects/supersample.wgsl`).
+//! Supersampling on the CPU (`shaders/effects/supersample.wgsl`).
 
 use crate::scene::Antialiasing;
 use image::RgbaImage;

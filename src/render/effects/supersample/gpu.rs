@@ -7,7 +7,7 @@ use crate::render::gpu::targets::{Source, Target};
 use crate::render::gpu::wgsl::shader_file;
 use crate::scene::Antialiasing;
 
-/// The picture that is shown, of several pixels for each.
+/// The image shown, from several drawn pixels for each.
 pub(super) const PASS: ScreenPass = ScreenPass {
     name: "supersample",
     files: &[shader_file!("effects/supersample.wgsl")],
@@ -17,7 +17,7 @@ pub(super) const PASS: ScreenPass = ScreenPass {
     depth: None,
 };
 
-/// Pixels that are drawn for one that is shown, along both edges of the picture.
+/// Pixels drawn per pixel shown, along both edges of the image.
 const SAMPLES_PER_EDGE: u32 = Antialiasing::Supersample.samples_per_edge();
 
 const PART: Part = Part {

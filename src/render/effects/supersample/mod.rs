@@ -1,4 +1,4 @@
-//! Antialiasing by supersampling: the picture that is shown, of several pixels for each.
+//! Antialiasing by supersampling: the image shown, from several drawn pixels for each.
 
 mod cpu;
 #[cfg(feature = "gpu")]

@@ -1,4 +1,4 @@
-//! The tone curve on the processor (`shaders/effects/tone.wgsl`): a table of bytes.
+//! The tone curve on the CPU (`shaders/effects/tone.wgsl`): a table of bytes.
 
 use crate::render::effects::effect::{PictureRow, RowStep};
 use crate::scene::ScenePacket;
@@ -8,7 +8,7 @@ use std::array;
 #[derive(Debug)]
 struct Curve([u8; 256]);
 
-/// That of a packet.
+/// The settings of a packet.
 pub(super) fn step(packet: &ScenePacket) -> Option<Box<dyn RowStep>> {
     let exponent = packet.style.light.tone_exponent()?;
     Some(Box::new(Curve::of(exponent)))

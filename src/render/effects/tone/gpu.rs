@@ -6,7 +6,7 @@ use crate::render::gpu::passes::{ColorUse, ScreenPass};
 use crate::render::gpu::targets::{Source, Target};
 use crate::render::gpu::wgsl::shader_file;
 
-/// The picture with other colours.
+/// The image with other colours.
 pub(super) const PASS: ScreenPass = ScreenPass {
     name: "tone curve",
     files: &[shader_file!("effects/tone.wgsl")],

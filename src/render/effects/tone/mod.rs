@@ -1,5 +1,5 @@
-//! The tone curve (gamma correction): a power of display-referred colours, which leaves black and white where they are
-//! and brightens or darkens what is between. So it is the same in parts of a picture, and what is transparent stays so.
+//! The tone curve (gamma correction): a power of display-referred colours, which leaves black and white unchanged and
+//! brightens or darkens the tones between. So it is the same in parts of an image, and transparent pixels stay so.
 
 mod cpu;
 #[cfg(feature = "gpu")]

@@ -1,4 +1,4 @@
-//! Points of depth images: compute passes filter what a camera has recorded and make a point of every pixel.
+//! Points of depth images: compute passes filter the images of a camera and make a point of every pixel.
 //!
 //! **How it works.** A frame that is drawn first is uploaded as its images: two bytes of depth and three of colour per
 //! pixel, a third of its points. Passes of the stages of [`crate::rgbd`] (`shaders/depth_images`) filter the depths and
@@ -6,14 +6,14 @@
 //! view uploads nothing, and `visible` reads it as it reads points that were uploaded; holes among them are identified
 //! by their colour. The rays of the camera and the table from samples to metres are uploaded once.
 //!
-//! Passes are submitted when the frame is uploaded, not with the image: so what the temporal filter keeps is always
-//! that of the frame that was uploaded last. It begins as on the CPU, with the first frame of a group, and goes on from
-//! frame to frame; a seek uploads the images before once more. So a frame alone is the frame after those before it.
+//! Passes are submitted when the frame is uploaded, not with the image: so the state of the temporal filter is always
+//! that of the frame uploaded last. It begins as on the CPU, with the first frame of a group, and goes on from frame to
+//! frame; a seek uploads the images before once more. So a frame alone is the frame after those before it.
 //!
 //! **When it wins.** It saves two thirds of the upload, and on a hardware GPU filters take a fraction of the CPU time.
 //! It is used where a GPU makes the screen-space surfels
 //! ([`GpuRenderer::set_makes_surfels`](super::GpuRenderer::set_makes_surfels)). The CPU filters (`rgbd/filters`) are
-//! the reference for these, and what everything else uses.
+//! the reference for these, and are used everywhere else.
 //!
 //! Hofer et al. 2018 §3.4: depth and colour are uploaded, not points.
 
@@ -57,7 +57,7 @@ struct Cached {
     filters: Filters,
 }
 
-/// Points on the card.
+/// Points on the GPU.
 #[derive(Debug)]
 pub(super) struct MadePoints {
     pub(super) buffer: wgpu::Buffer,
@@ -121,7 +121,7 @@ impl DepthMaker {
             let uniform = uploaded_uniform(context, DepthImaging { is_coded, ..uniform });
             let of_samples = uploaded_samples(context, samples);
             made.uploaded_bytes += samples.byte_size() as u64;
-            // The reported times of a frame are those of its own image.
+            // The reported times of a frame belong to its own image.
             let timer = self.timer.as_mut().filter(|_| number == to_do.len());
             let mut filtering = Filtering {
                 recording: Recording::new(context, &mut encoder, timer),
@@ -251,7 +251,7 @@ impl Filtering<'_, '_> {
         self.passes += 1;
     }
 
-    /// Points of what was filtered last.
+    /// Points of the images filtered last.
     fn reproject(&mut self, filters: &Filters, colors: Option<&wgpu::Buffer>, points: &wgpu::Buffer) {
         let (scratch, uniform) = (self.scratch, self.uniform);
         let depths = match filters.temporal {

@@ -1,6 +1,6 @@
 //! The selection of the median as WGSL.
 //!
-//! Forgetful selection (McGuire 2008), step by step that of `rgbd/filters/median.rs`: of 14 values the smallest and the
+//! Forgetful selection (McGuire 2008), step by step as in `rgbd/filters/median.rs`: of 14 values the smallest and the
 //! largest are forgotten, one more is taken in, until three are left. It is written out here because every value must
 //! stay in a register: an array whose places are numbers of a loop may come to lie in memory.
 

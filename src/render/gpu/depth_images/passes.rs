@@ -11,8 +11,7 @@ use crate::render::gpu::layout::Shared;
 use crate::render::gpu::recording::Recording;
 use crate::render::gpu::wgsl::shader_file;
 
-/// Bindings of `depth_images/image.wgsl`.
-/// What the camera has measured.
+/// Bindings of `depth_images/image.wgsl`. The camera's measurements.
 pub(super) const SAMPLES: u32 = 1;
 /// Metres of each number.
 pub(super) const TABLE: u32 = 2;
@@ -116,8 +115,8 @@ impl Programs {
         Self(ComputePrograms::new(context, SHADER))
     }
 
-    /// Records a pass over all pixels; `buffer` knows what is bound to each binding. Precondition: the adapter has as
-    /// many workgroups ([`groups`]).
+    /// Records a pass over all pixels; `buffer` returns the buffer of each binding. Precondition: the adapter has
+    /// enough workgroups ([`groups`]).
     pub(super) fn record<'a>(
         &self,
         recording: &mut Recording<'_>,
@@ -132,7 +131,7 @@ impl Programs {
     }
 }
 
-/// Returns the name of a pass for timings: that of its filter on the command line.
+/// Returns the name of a pass for timings: its filter's on the command line.
 fn name_of(which: Pass) -> &'static str {
     match which {
         Pass::Near => "near",

@@ -11,7 +11,7 @@ use wgpu::BufferUsages as Usages;
 /// Size of a depth or an age.
 const WORD_BYTES: u64 = 4;
 
-/// Images of depths that passes hand on, and what is kept of the frames before.
+/// Images of depths that passes hand on, and the state retained from earlier frames.
 #[derive(Debug)]
 pub(super) struct Scratch {
     pixels: u64,
@@ -21,7 +21,7 @@ pub(super) struct Scratch {
 }
 
 impl Scratch {
-    /// For so many pixels: `before`, if it is as large.
+    /// For this number of pixels: `before`, if it is as large.
     pub(super) fn of(context: &Context, before: Option<Self>, pixels: u64) -> Self {
         if let Some(known) = before.filter(|known| known.pixels == pixels) {
             return known;
@@ -47,7 +47,7 @@ impl Scratch {
         &self.images[place % 2]
     }
 
-    /// Returns the buffer kept from previous frames: [`MEAN`] or [`AGES`].
+    /// Returns the buffer retained from previous frames: [`MEAN`] or [`AGES`].
     pub(super) fn cached(&self, binding: u32) -> &wgpu::Buffer {
         debug_assert!([MEAN, AGES].contains(&binding));
         if binding == MEAN { &self.mean } else { &self.ages }
@@ -70,7 +70,7 @@ pub(super) struct Tables {
 }
 
 impl Tables {
-    /// Uploads what of these is not there. Returns the bytes uploaded.
+    /// Uploads the missing ones. Returns the bytes uploaded.
     pub(super) fn ensure(&mut self, context: &Context, frame: &DepthFrame) -> u64 {
         let mut uploaded = 0;
         self.nothing.get_or_insert_with(|| uploaded_buffer(context, &[0; 16]));
@@ -112,18 +112,18 @@ impl Tables {
     }
 }
 
-/// The samples of an image on the card.
+/// The samples of an image on the GPU.
 pub(super) fn uploaded_samples(context: &Context, samples: &DepthSamples) -> wgpu::Buffer {
     match samples {
-        // Raw values whatever their encoding: a table of 2¹⁶ entries has exactly the metres of the CPU, and five bytes
-        // per pixel with colour are uploaded instead of 16 per point (1.5 MB for 640×480).
+        // Raw values in any encoding: a table of 2¹⁶ entries has exactly the metres of the CPU, and five bytes per
+        // pixel with colour are uploaded instead of 16 per point (1.5 MB for 640×480).
         DepthSamples::Coded { numbers, .. } => uploaded_buffer(context, bytemuck::cast_slice(numbers)),
         // Without values that are not distances: shaders see neither NaN nor infinities.
         DepthSamples::Metres(metres) => uploaded_buffer(context, bytemuck::cast_slice(metres)),
     }
 }
 
-/// A buffer that begins with `bytes`, with room for a word more: what is read there is not looked at.
+/// A buffer that begins with `bytes`, with space for one more word: the value read there is ignored.
 pub(super) fn uploaded_buffer(context: &Context, bytes: &[u8]) -> wgpu::Buffer {
     let whole = bytes.len().next_multiple_of(WORD_BYTES as usize);
     let mut padded = Vec::new();

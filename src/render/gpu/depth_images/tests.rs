@@ -1,4 +1,4 @@
-//! Passes beside the processor's filters, and the bilateral filter beside its definition in double precision.
+//! Passes compared with the CPU's filters, and the bilateral filter with its definition in double precision.
 
 use super::*;
 use crate::render::gpu::GpuRenderer;
@@ -38,7 +38,7 @@ fn numbers([width, height]: [u32; 2], seed: u32) -> Vec<u16> {
     (0..width * height).map(number).collect()
 }
 
-/// What a sensor of half floats might give: no distances among distances.
+/// Possible output of a half-float sensor: invalid distances among distances.
 fn metres([width, height]: [u32; 2], seed: u32) -> Vec<f32> {
     let odd = [
         0.0,
@@ -64,7 +64,7 @@ fn rays(size_px: [u32; 2]) -> Arc<RayTable> {
     Arc::new(RayTable::of(&camera))
 }
 
-/// Of all images, as those of a recording have one.
+/// Shared by all images, as in a recording.
 static TABLE_OF_ALL: LazyLock<DepthTable> = LazyLock::new(|| {
     DepthTable::new(|number| match number {
         0 | u16::MAX => 0.0,

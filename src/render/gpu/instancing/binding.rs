@@ -15,7 +15,7 @@ pub(super) fn buffer_with(
     context.filled_buffer("records", usage, records, records.len().next_multiple_of(alignment))
 }
 
-/// Room for so many records, which a compute pass writes, padded as those of [`buffer_with`].
+/// A buffer for this many records, which a compute pass writes, padded like [`buffer_with`].
 pub(super) fn buffer_for(
     context: &Context,
     usage: wgpu::BufferUsages,
@@ -66,7 +66,7 @@ pub(super) fn records_of(bytes: u64) -> usize {
 /// Limit of a draw call: indices are u32 and so is their count.
 const MAX_INDEXED_QUADS: usize = (u32::MAX / INDICES_PER_QUAD) as usize;
 
-/// The most records whose quads one draw call can index, with an index buffer that the adapter can hold.
+/// The maximum number of records whose quads one draw call can index, with an index buffer that the adapter can hold.
 pub(super) fn max_indexed_records(context: &Context, amplification: &'static Amplification) -> usize {
     let quads = amplification.quads_per_record().max(1) as usize;
     let index_bytes = (INDICES_PER_QUAD as usize) * size_of::<u32>();

@@ -1,9 +1,9 @@
 //! Strategy `compute`: compute passes write the corners and the draw call, as the paper's geometry shader did.
 //!
-//! Records that lie outside the view or face away are dropped before they cost a vertex; what is kept stays in the
-//! order of the cloud (a prefix sum, no atomics), so blending gives the same picture as every other strategy. The
-//! corners are computed by the very WGSL functions that the other strategies run in the vertex stage. It wins when much
-//! of the cloud is not seen and costs 32 bytes a corner (128 a surfel, 384 a voxel) of memory when all of it is.
+//! Records that lie outside the view or face away are dropped before they cost a vertex; the rest stays in the order of
+//! the cloud (a prefix sum, no atomics), so blending gives the same image as every other strategy. The corners are
+//! computed by the very WGSL functions that the other strategies run in the vertex stage. It wins when much of the
+//! cloud is not seen and costs 32 bytes per corner (128 per surfel, 384 per voxel) of memory when all of it is.
 
 use super::binding::{max_indexed_records, single_binding};
 use super::record_buffer::RecordBuffer;
@@ -50,9 +50,9 @@ struct Compute {
     storage: Storage,
     outputs: BufferGroup,
     view_layout: wgpu::BindGroupLayout,
-    /// By the name of their amplification.
+    /// Pipelines by the name of their amplification.
     pipelines: HashMap<&'static str, Pipelines>,
-    /// For each chunk of what was amplified last.
+    /// For each chunk amplified last.
     amplified: Vec<AmplifiedChunk>,
 }
 

@@ -2,10 +2,10 @@
 //!
 //! Strategies differ in how a record reaches the vertex stage. A triangle is nothing without its vertices, which it
 //! shares with others: they are neither attributes stepped per instance nor read in their order, and 64 KiB of a
-//! uniform buffer would part them from their triangles. So all strategies draw meshes in this one way, that of
-//! `storage`, and the same bytes.
+//! uniform buffer would part them from their triangles. So all strategies draw meshes in this one way, as `storage`
+//! does, with the same bytes.
 //!
-//! A mesh whose vertices are more than a binding holds is drawn in chunks that have those of their own triangles: few
+//! A mesh whose vertices are more than a binding holds is drawn in chunks with the vertices of their own triangles: few
 //! are in two chunks, as triangles stand in Morton order.
 
 use super::binding::{buffer_with, max_indexed_records, records_of};
@@ -21,7 +21,7 @@ use std::collections::HashMap;
 /// The file by which the vertex stage gets a triangle.
 pub(super) const FETCH: ShaderFile = shader_file!("fetch/indexed.wgsl");
 
-/// Records that a vertex takes the room of.
+/// Size of a vertex in records.
 const RECORDS_PER_VERTEX: usize = size_of::<VertexRecord>() / RECORD_BYTES;
 
 /// Shader stages that read triangles, vertices, texels, and texture locations.
@@ -65,7 +65,7 @@ impl Indexed {
         Self { layout }
     }
 
-    /// Uploads a mesh in as many chunks as the adapter needs.
+    /// Uploads a mesh in the number of chunks that the adapter needs.
     pub(in crate::render::gpu) fn upload(
         &self,
         context: &Context,
@@ -119,13 +119,13 @@ impl Instancing for Indexed {
     }
 }
 
-/// A buffer with these bytes; without any, of one record that nobody reads, as nothing cannot be bound.
+/// A buffer with these bytes; without any, of one record that is never read, as an empty buffer cannot be bound.
 fn storage(context: &Context, bytes: &[u8]) -> wgpu::Buffer {
     let bytes = if bytes.is_empty() { &[0; RECORD_BYTES] } else { bytes };
     buffer_with(context, wgpu::BufferUsages::STORAGE, bytes, RECORD_BYTES)
 }
 
-/// Parts of at most so many triangles and vertices, but of one triangle at least, in the order of the triangles.
+/// Parts of at most this many triangles and vertices, but of one triangle at least, in the order of the triangles.
 fn parts(mesh: &MeshRecords, max_triangles: usize, max_vertices: usize) -> Vec<Part<'_>> {
     if mesh.triangles.is_empty() {
         return Vec::new();

@@ -1,11 +1,11 @@
 //! Instancing strategies (the 4D media paper §IV): how records reach the vertex stage.
 //!
 //! A strategy knows one thing: how to bring a *stream* of 16-byte records to the GPU and how to draw from it. It does
-//! not know what a record means nor what is drawn into. Streams longer than the adapter can bind are cut into chunks,
-//! each uploaded with one copy and drawn with one call (the uniform strategy: one a batch).
+//! not know the meaning of a record, nor the render target. Streams longer than the adapter can bind are cut into
+//! chunks, each uploaded with one copy and drawn with one call (the uniform strategy: one per batch).
 //!
-//! Its file has what it is for the GPU: its [`StrategyRow`], binding, limits and draw call. What it is called is a line
-//! of [`Strategy`] in the scene, which knows no GPU. Meshes are drawn in one way, whatever the strategy (`indexed.rs`).
+//! Its file has its GPU side: [`StrategyRow`], binding, limits and draw call. Its name is a line of [`Strategy`] in the
+//! scene, which knows no GPU. Meshes are drawn in one way, whatever the strategy (`indexed.rs`).
 
 mod binding;
 mod compute;

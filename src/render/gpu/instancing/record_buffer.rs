@@ -1,4 +1,4 @@
-//! Room for the records of a chunk, which a compute pass writes.
+//! A buffer for the records of a chunk, which a compute pass writes.
 
 use super::stream::RECORD_BYTES;
 use crate::render::gpu::recording::Recording;
@@ -15,7 +15,7 @@ pub(in crate::render::gpu) struct RecordBuffer {
 }
 
 impl RecordBuffer {
-    /// Copies what was written to where it is drawn from, if that is a texture.
+    /// Copies the written records to the texture they are drawn from, if there is one.
     pub(in crate::render::gpu) fn copy_to_texture(&self, recording: &mut Recording<'_>) {
         if let Some(texture) = &self.texture {
             let layout = wgpu::TexelCopyBufferLayout {

@@ -1,7 +1,7 @@
 //! Strategy `storage`: records lie in storage buffers, the vertex stage pulls them by index.
 //!
-//! One draw call indexes the quads of all records, 4 vertices each, instead of drawing one small instance a record:
-//! GPUs fill whole waves that way, and a software rasteriser sets up one draw instead of thousands of instances. It
+//! One draw call indexes the quads of all records, 4 vertices each, instead of drawing one small instance per record:
+//! this fills whole waves of a GPU, and a software rasteriser sets up one draw instead of thousands of instances. It
 //! wins nearly everywhere and has no limits that matter, so it is the default.
 
 use super::binding::{buffer_for, buffer_with, max_indexed_records, records_of, single_binding, single_binding_layout};

@@ -15,7 +15,7 @@ pub(in crate::render::gpu) struct StrategyRow {
     pub(super) fetch: [ShaderFile; 2],
     /// The file by which it gets a corner that a compute pass has written, of strategies with such a pass.
     pub(super) fetch_corner: Option<ShaderFile>,
-    /// Makes it; the layout is that of the view's bind group.
+    /// Makes it; the layout is the view's bind group's.
     pub(in crate::render::gpu) open: fn(&Context, &wgpu::BindGroupLayout) -> Box<dyn RecordInstancing>,
 }
 
@@ -35,7 +35,7 @@ impl StrategyRow {
     }
 }
 
-/// One way to bring records to the vertex stage.
+/// A method of bringing records to the vertex stage.
 pub(in crate::render::gpu) trait Instancing: fmt::Debug + Send {
     /// Layout of the bind group of one stream, for strategies that bind.
     fn stream_layout(&self) -> Option<&wgpu::BindGroupLayout>;
@@ -51,10 +51,10 @@ pub(in crate::render::gpu) trait Instancing: fmt::Debug + Send {
         Vec::new()
     }
 
-    /// The most records that one chunk may have.
+    /// The maximum number of records of one chunk.
     fn max_chunk_records(&self, context: &Context, amplification: &'static Amplification) -> usize;
 
-    /// The most quads that one draw call of a chunk with `records` records indexes.
+    /// The maximum number of quads that one draw call of a chunk with `records` records indexes.
     fn quads_per_draw(&self, records: u32, amplification: &'static Amplification) -> u32 {
         records * amplification.quads_per_record()
     }
@@ -74,18 +74,18 @@ pub(in crate::render::gpu) trait Instancing: fmt::Debug + Send {
     }
 }
 
-/// A way that brings streams of records, each of which is read where it stands.
+/// A strategy that brings streams of records, each read in place.
 pub(in crate::render::gpu) trait RecordInstancing: Instancing {
     /// One copy: `records` become a chunk.
     fn upload(&self, context: &Context, records: &[u8]) -> Chunk;
 
-    /// Room for a chunk of so many records.
+    /// A buffer for a chunk of this many records.
     fn record_buffer(&self, context: &Context, capacity: usize) -> RecordBuffer;
 
-    /// The chunk of as many records in a room. Precondition: there is room for them.
+    /// The chunk of this many records in a buffer. Precondition: they fit.
     fn chunk_in(&self, context: &Context, record_buffer: &RecordBuffer, record_count: u32) -> Chunk;
 
-    /// The most records of a chunk that the strategy and the adapter can hold, at least one.
+    /// The maximum number of records of a chunk that the strategy and the adapter can hold, at least one.
     fn max_records(&self, context: &Context, amplification: &'static Amplification) -> usize {
         self.max_chunk_records(context, amplification)
             .min(context.max_chunk_records.unwrap_or(usize::MAX))

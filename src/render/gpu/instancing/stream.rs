@@ -1,4 +1,4 @@
-//! Streams of records on the GPU, and what draws them.
+//! Streams of records on the GPU, and their drawing.
 
 use crate::render::gpu::constants::STREAM_GROUP;
 use crate::render::gpu::primitives::Amplification;
@@ -14,7 +14,7 @@ pub(in crate::render::gpu) struct Stream {
     pub(in crate::render::gpu) byte_size: u64,
 }
 
-/// As many records as one binding can hold.
+/// Records that fit in one binding.
 #[derive(Debug, Clone)]
 pub(in crate::render::gpu) struct Chunk {
     pub(in crate::render::gpu) record_count: u32,
@@ -47,12 +47,12 @@ pub(in crate::render::gpu) struct Draw<'a> {
     /// Points or voxels, and shapes where the amplification needs them. All have the same chunks.
     pub(in crate::render::gpu) streams: &'a [&'a Stream],
     pub(in crate::render::gpu) amplification: &'static Amplification,
-    /// Indices 0 1 2 2 1 3, 4 5 6 6 5 7, … for as many quads as [`Instancing::quads_per_draw`] asks for.
+    /// Indices 0 1 2 2 1 3, 4 5 6 6 5 7, … for the number of quads in [`Instancing::quads_per_draw`].
     pub(in crate::render::gpu) quad_indices: &'a wgpu::Buffer,
 }
 
 impl Draw<'_> {
-    /// Records of one stream: those of the others belong to them.
+    /// Number of records of one stream: the other streams have the same.
     pub(in crate::render::gpu) fn record_count(&self) -> u64 {
         let chunks = self.streams.first().map(|stream| &stream.chunks);
         let records = chunks.into_iter().flatten().map(|chunk| chunk.record_count);
@@ -84,7 +84,7 @@ impl Draw<'_> {
         self.instanced(pass, records, 0..1);
     }
 
-    /// Draws instances that have the vertices of so many records.
+    /// Draws instances with the vertices of this many records each.
     pub(super) fn instanced(&self, pass: &mut wgpu::RenderPass<'_>, records: u32, instances: Range<u32>) {
         let drawn = 0..records * self.amplification.drawn_per_record();
         match self.amplification.quads_per_record() {

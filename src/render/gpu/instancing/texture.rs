@@ -118,7 +118,7 @@ impl Texture {
     }
 }
 
-/// Whole rows for so many records.
+/// Whole rows for this many records.
 fn texture_for(context: &Context, record_count: usize) -> wgpu::Texture {
     context.device.create_texture(&wgpu::TextureDescriptor {
         label: Some("records"),

@@ -1,6 +1,6 @@
 //! Strategy `vertex`: records are per-instance vertex attributes, stepped by the hardware.
 //!
-//! The most natural of the paper's ways and there the slowest: every record is an instance of its own with 3 or 4
+//! The most natural of the paper's variants and the slowest there: every record is an instance of its own with 3 or 4
 //! (surfel) or 12 (voxel) vertices, and small instances leave most of a wave idle. It needs no binding at all.
 
 use super::binding::{buffer_for, buffer_with, records_of};

@@ -1,4 +1,4 @@
-//! Passes over records. Which primitive is drawn by which of them is said in `primitives`.
+//! Passes over records. `primitives` assigns them to primitives.
 
 use super::state::{ADDED, ColorUse, DepthUse, GeometryPass, OVER, PREMULTIPLIED};
 use crate::render::gpu::targets::Target;
@@ -12,15 +12,16 @@ pub(in crate::render::gpu) const VISIBILITY: GeometryPass = GeometryPass {
     depth: Some(DepthUse::TestAndWrite),
 };
 
-/// Depths of faces and nothing else: what cells leave in a shadow map.
+/// Depths of faces and nothing else: the output of cells in a shadow map.
 pub(in crate::render::gpu) const DEPTH: GeometryPass = GeometryPass {
     name: "depth",
     file: shader_file!("passes/depth.wgsl"),
     ..VISIBILITY
 };
 
-/// Sums colours and weights of what passes the depth test against the visibility pass (the 4D media paper §V-B, second
-/// pass; normalised sums instead of ordered blending, as in Sainz and Pajarola 2004, so that no order is needed).
+/// Sums colours and weights of fragments that pass the depth test against the visibility pass (the 4D media paper §V-B,
+/// second pass; normalised sums instead of ordered blending, as in Sainz and Pajarola 2004, so that no order is
+/// needed).
 pub(in crate::render::gpu) const ATTRIBUTE: GeometryPass = GeometryPass {
     name: "attribute",
     file: shader_file!("passes/attribute.wgsl"),
@@ -71,7 +72,7 @@ pub(in crate::render::gpu) const ROUND_SOLID: GeometryPass = GeometryPass {
     ..SOLID
 };
 
-/// Plain points without light: the cheapest picture of a cloud.
+/// Plain points without light: the cheapest rendering of a cloud.
 pub(in crate::render::gpu) const POINT: GeometryPass = GeometryPass {
     name: "point",
     file: shader_file!("passes/point.wgsl"),

@@ -1,5 +1,5 @@
-//! The passes: a row each says what it draws into and under which depth and blend state (`geometry.rs`, `screen.rs`,
-//! `shade.rs`, and `render/effects`); `pipelines.rs` makes the pipelines from that, once each.
+//! The passes: one row each, with its targets, depth and blend state (`geometry.rs`, `screen.rs`, `shade.rs`, and
+//! `render/effects`); `pipelines.rs` makes the pipelines from that, once each.
 
 pub(super) mod geometry;
 mod pipelines;

@@ -1,4 +1,4 @@
-//! Pipelines, made when they are first needed and kept: nobody pays for modes that are not used.
+//! Pipelines, made when first needed, then cached: unused modes cost nothing.
 
 use super::state::{DepthUse, GeometryPass, ScreenPass};
 use crate::render::gpu::context::Context;
@@ -52,7 +52,7 @@ pub(crate) struct Pipelines {
     ),
     watch: Option<Watch>,
     pub(crate) view_layout: wgpu::BindGroupLayout,
-    /// Bind group layouts, by the name of the screen-space pass, of what it binds in addition to the view.
+    /// Bind group layouts, by the name of the screen-space pass, of its bindings in addition to the view.
     source_layouts: HashMap<&'static str, wgpu::BindGroupLayout>,
 }
 
@@ -82,7 +82,7 @@ impl Pipelines {
         }
     }
 
-    /// Returns the bind group layout of what a screen-space pass binds in addition to the view. Precondition:
+    /// Returns the bind group layout of the bindings of a screen-space pass in addition to the view. Precondition:
     /// [`Pipelines::ensure_screen`].
     pub(crate) fn source_layout(&self, pass: &ScreenPass) -> Option<&wgpu::BindGroupLayout> {
         self.source_layouts.get(pass.name)

@@ -11,7 +11,7 @@ use crate::render::gpu::targets::{Source, Target};
 use crate::render::gpu::wgsl::shader_file;
 use crate::scene::rim_px;
 
-/// Screen-space passes, all of them except those of effects.
+/// Screen-space passes, all of them except the effects'.
 pub(in crate::render::gpu) const SCREEN_PASSES: [&ScreenPass; 12] = [
     &SHADE,
     &SHADE_PHYSICAL,
@@ -27,7 +27,8 @@ pub(in crate::render::gpu) const SCREEN_PASSES: [&ScreenPass; 12] = [
     &DEPTH_VIEW,
 ];
 
-/// View-dependent texturing of each pixel from the input images, where what they do not show is filled from around.
+/// View-dependent texturing of each pixel from the input images, with surfaces that they do not show filled from their
+/// surroundings.
 pub(in crate::render::gpu) const PHOTO_ANSWERS: ScreenPass = ScreenPass {
     name: "photo answers",
     files: &[shader_file!("passes/photo_answers.wgsl")],
@@ -60,7 +61,7 @@ pub(in crate::render::gpu) const PUSH: ScreenPass = ScreenPass {
     depth: None,
 };
 
-/// Normalises what the attribute pass summed up, and lays it over the background.
+/// Normalises the sums of the attribute pass, and lays the result over the background.
 pub(in crate::render::gpu) const RESOLVE: ScreenPass = ScreenPass {
     name: "resolve",
     files: &[shader_file!("passes/resolve.wgsl")],

@@ -1,4 +1,4 @@
-//! Passes that let light fall on the blended surface. What light is, and what it falls on, differs.
+//! Passes that light the blended surface. They differ in light and surface.
 
 use super::state::{ColorUse, ScreenPass};
 use crate::render::effects::{ambient_occlusion, shadow};
@@ -19,8 +19,8 @@ const PHOTOS: ShaderFile = shader_file!("common/photos.wgsl");
 const PHOTO_ANSWERS: ShaderFile = shader_file!("common/photo_answers.wgsl");
 const SHADE_FILE: ShaderFile = shader_file!("passes/shade.wgsl");
 
-/// Light falls on the blended surface; what is left are sums, as the attribute pass leaves them without it (Hofer et
-/// al. 2018 §3.6).
+/// Lights the blended surface; the output is sums, as the attribute pass gives them without lighting (Hofer et al. 2018
+/// §3.6).
 pub(in crate::render::gpu) const SHADE: ScreenPass = ScreenPass {
     name: "shade",
     files: &[BLINN_PHONG, OWN_COLORS, SHADE_FILE],
@@ -134,9 +134,9 @@ shared_struct! {
         metallic: f32,
         /// The square of their roughness.
         alpha: f32,
-        /// Mean of the curve of what is lost.
+        /// Mean of the curve of the light lost.
         mean_loss: f32,
-        /// Mean of the curve of what is let in.
+        /// Mean of the curve of the light admitted.
         mean_let_in: f32,
         /// Columns of the rotation from view space into the axes of the environment.
         environment_from_view_x: [f32; 4],

@@ -22,7 +22,7 @@ pub struct GeometryPass {
 pub struct ScreenPass {
     /// No other pass has the same.
     pub name: &'static str,
-    /// WGSL files of the pass, in addition to what they import.
+    /// WGSL files of the pass, in addition to their imports.
     pub(in crate::render) files: &'static [ShaderFile],
     /// Parts that Rust provides to these files.
     pub(in crate::render) parts: &'static [&'static Part],
@@ -36,12 +36,12 @@ pub struct ScreenPass {
 #[derive(Debug, Clone, Copy)]
 pub(in crate::render) struct ColorUse {
     pub(in crate::render) target: Target,
-    /// `None` where they replace what is there.
+    /// `None` if they replace the existing values.
     pub(in crate::render) blend: Option<wgpu::BlendState>,
 }
 
 impl ColorUse {
-    /// Colours replace what is in `target`.
+    /// Colours replace the contents of `target`.
     pub(in crate::render) const fn replacing(target: Target) -> Self {
         Self { target, blend: None }
     }
@@ -75,8 +75,8 @@ impl GeometryPass {
 }
 
 impl ScreenPass {
-    /// The textures that it reads, by the names that its WGSL has for them, in the order of their bindings. Behind them
-    /// is the uniform that has those of all parts: lavapipe crashes where a group has several.
+    /// The textures that it reads, by the names that its WGSL has for them, in the order of their bindings. After them
+    /// comes one uniform with those of all parts: lavapipe crashes if a group has several.
     pub(in crate::render::gpu) fn textures(&self) -> Vec<(&'static str, TextureKind)> {
         self.source.map(Source::textures).unwrap_or_default()
     }
@@ -91,7 +91,7 @@ impl ScreenPass {
         self.uniforms().map(|uniform| uniform.layout.size as u64).sum()
     }
 
-    /// The WGSL of what its files have from Rust.
+    /// The WGSL that its files get from Rust.
     pub(in crate::render::gpu) fn declarations(&self) -> String {
         let mut text = "#import generated/constants\n".to_owned();
         for part in self.parts {
@@ -170,23 +170,23 @@ pub(in crate::render) const COMPLETED: wgpu::BlendState = {
     }
 };
 
-/// The fourth channel stays: the picture's opacity, or the sum of weights.
+/// The fourth channel stays: the image's opacity, or the sum of weights.
 const CACHED: wgpu::BlendComponent = wgpu::BlendComponent {
     src_factor: wgpu::BlendFactor::Zero,
     dst_factor: wgpu::BlendFactor::One,
     operation: wgpu::BlendOperation::Add,
 };
 
-/// Alpha blending: colours over what is there.
+/// Alpha blending: colours over the existing ones.
 pub(in crate::render) const OVER: wgpu::BlendState = wgpu::BlendState {
     color: wgpu::BlendState::ALPHA_BLENDING.color,
     alpha: CACHED,
 };
 
-/// Alpha blending of premultiplied colours: colours times their opacities, and opacities, over what is there.
+/// Alpha blending of premultiplied colours: colours times their opacities, and opacities, over the existing ones.
 pub(super) const PREMULTIPLIED: wgpu::BlendState = wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING;
 
-/// Multiplies what is there.
+/// Multiplies the existing colours.
 pub(in crate::render) const MULTIPLIED: wgpu::BlendState = wgpu::BlendState {
     color: wgpu::BlendComponent {
         src_factor: wgpu::BlendFactor::Dst,

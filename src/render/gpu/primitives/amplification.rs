@@ -14,7 +14,7 @@ use crate::scene::Strategy;
 pub struct Amplification {
     /// No other has the same.
     pub name: &'static str,
-    /// WGSL files of `shaders/primitives/` that expand a record, in addition to what these import.
+    /// WGSL files of `shaders/primitives/` that expand a record, in addition to their imports.
     pub(in crate::render::gpu) files: &'static [ShaderFile],
     /// The file that hands vertices on to fragments.
     pub(in crate::render::gpu) varyings: ShaderFile,
@@ -27,8 +27,8 @@ pub struct Amplification {
     pub is_indexed: bool,
     /// True if depths are computed at each fragment. Their quads are at the nearest.
     pub writes_depths: bool,
-    /// True if the compute strategy writes the vertices. Plain points gain nothing from a pass that would write what
-    /// the vertex stage computes once anyway.
+    /// True if the compute strategy writes the vertices. Plain points gain nothing from a pass that would write values
+    /// that the vertex stage computes once anyway.
     pub compute_amplifies: bool,
     /// Every pass that may draw it.
     pub passes: &'static [&'static GeometryPass],

@@ -15,13 +15,13 @@ pub(super) type Passes = &'static [&'static GeometryPass];
 #[derive(Debug)]
 pub(in crate::render::gpu) struct Drawable<'a> {
     pub(in crate::render::gpu) amplification: &'static Amplification,
-    /// In the order of their bind groups; none where the frame lacks what the primitive needs.
+    /// In the order of their bind groups; none if the frame lacks data that the primitive needs.
     pub(in crate::render::gpu) streams: Vec<RecordSource<'a>>,
-    /// Selection of the nodes to draw, if the streams are those of all nodes of a structure.
+    /// Selection of the nodes to draw, if the streams hold all nodes of a structure.
     pub(in crate::render::gpu) selection: Option<&'a Arc<Selection>>,
-    /// Visible points and their shapes, to be determined if the stream is that of all points.
+    /// Visible points and their shapes, to be determined if the stream holds all points.
     pub(in crate::render::gpu) visible: Option<&'a Arc<VisiblePoints>>,
-    /// The amplification that says how long the chunks of these streams may be.
+    /// The amplification that limits the chunks of these streams.
     pub(in crate::render::gpu) chunked_for: &'static Amplification,
     pub(in crate::render::gpu) cull_back_faces: bool,
     pub(in crate::render::gpu) passes: Passes,

@@ -1,5 +1,5 @@
-//! GPU primitives: one file per primitive, with the names of `render/cpu/primitives`. It defines what a record is
-//! expanded to, which records there are, and which passes draw them.
+//! GPU primitives: one file per primitive, with the names of `render/cpu/primitives`. It defines the expansion of a
+//! record, the records, and the passes that draw them.
 //!
 //! | primitive | passes |
 //! |---|---|
@@ -16,7 +16,7 @@
 //! Ellipses and sprites are drawn as surfels are.
 //!
 //! Where shading is deferred, *surface* passes are used instead of those that write colours, and shade and resolve
-//! follow. Shadow maps are drawn by visibility, those of voxels and triangles by depth.
+//! follow. Shadow maps are drawn by visibility, or by depth for voxels and triangles.
 
 mod amplification;
 mod drawable;

@@ -50,7 +50,7 @@ pub(super) const ELLIPSE: Amplification = Amplification {
 };
 
 /// Triangle around the disk: fewer vertices and triangles, more pixels outside the disk. The squares of
-/// [`Splatting::Regular`] are no part of it.
+/// [`Splatting::Regular`] are not part of it.
 pub(super) const DISK_IN_TRIANGLE: Amplification = Amplification {
     name: "surfel in triangle",
     vertices_per_record: VERTICES_PER_TRIANGLE,

@@ -9,7 +9,7 @@ use crate::render::gpu::residency::RecordSource;
 use crate::render::gpu::wgsl::shader_file;
 use crate::scene::{DrawSettings, Voxels};
 
-/// Light falls on the faces.
+/// The faces are lit.
 pub(super) const LIT_BY_FACES: Amplification = Amplification {
     name: "voxel",
     files: &[shader_file!("primitives/voxels_lit_by_faces.wgsl")],
@@ -22,7 +22,7 @@ pub(super) const LIT_BY_FACES: Amplification = Amplification {
     passes: &[&SOLID, &SURFACE_SOLID, &DEPTH],
 };
 
-/// Light falls on the surface in a cell.
+/// The surface in a cell is lit.
 pub(super) const LIT_BY_NORMALS: Amplification = Amplification {
     name: "voxel with normal",
     files: &[shader_file!("primitives/voxels_lit_by_normals.wgsl")],

@@ -2,10 +2,10 @@
 //!
 //! **How it works.** Compute passes of the stages of [`crate::stereo`] (`shaders/stereo`): the census of both images;
 //! sums of costs along eight paths (a workgroup goes along a path, its invocations share the labels of a pixel), or
-//! over squares; the winners of both images; subpixel positions between labels; the median. What is read back is one
-//! disparity per pixel. Specks, which are connected areas, are removed by the CPU. Costs are computed wherever they are
-//! needed, eight times for eight paths: bits of the census are read, which are next to each other, and nothing is
-//! written but sums, two bytes per label.
+//! over squares; the winners of both images; subpixel positions between labels; the median. One disparity per pixel is
+//! read back. Specks, which are connected areas, are removed by the CPU. Costs are computed wherever they are needed,
+//! eight times for eight paths: bits of the census are read, which are next to each other, and nothing is written but
+//! sums, two bytes per label.
 //!
 //! Integers (sums, winners, labels before they are refined) match the CPU to the bit, and so do positions that are
 //! quotients of them (`exact_share.wgsl`). Planes through positions are sums of fractions, in an order of the
@@ -14,7 +14,7 @@
 //! **When it wins.** On a hardware GPU: all paths of a direction at once. A software adapter on the CPU is slower than
 //! the CPU's own code, which takes 32 labels at once and sums in caches; so [`CardMatcher::shared`] is the CPU there.
 //!
-//! Whatever the GPU cannot do, the CPU does: more than 512 labels, buffers above 512 MiB or the adapter's limits, no
+//! The CPU takes over where the GPU cannot: more than 512 labels, buffers above 512 MiB or the adapter's limits, no
 //! memory, a device that was lost. Rectification is the CPU's, too.
 //!
 //! Yang et al. 2006 §5; Hirschmüller 2008.
@@ -57,7 +57,7 @@ struct OnCard {
 }
 
 impl CardMatcher {
-    /// By the card of this context. Its programs are made when the first pair is matched.
+    /// A matcher on the GPU of this context. Its programs are made when the first pair is matched.
     pub fn new(context: Arc<Context>) -> Self {
         Self {
             context,
@@ -76,7 +76,7 @@ impl CardMatcher {
         }
     }
 
-    /// Disparities of a pair without specks taken out; `None` where it is none for the card.
+    /// Disparities of a pair without specks taken out; `None` where it is none for the GPU.
     fn on_card(
         &self,
         matching: &Matching,
@@ -96,7 +96,7 @@ impl CardMatcher {
         Ok(Some(disparities))
     }
 
-    /// Says once why the processor does what the card should.
+    /// Reports once why the CPU does the GPU's work.
     fn warn(&self, error: &RenderError) {
         let mut on_card = lock(&self.on_card);
         if !std::mem::replace(&mut on_card.has_warned, true) {
@@ -122,7 +122,7 @@ impl PairMatcher for CardMatcher {
     }
 }
 
-/// A pair that the card can match.
+/// A pair that the GPU can match.
 #[derive(Debug)]
 struct Job<'a> {
     images: [&'a GrayImage; 2],
@@ -133,7 +133,7 @@ struct Job<'a> {
 }
 
 impl<'a> Job<'a> {
-    /// `None` where the processor has to say what is wrong with it, or has to match it.
+    /// `None` if the CPU has to report its fault, or has to match it.
     fn of(context: &Context, matching: &Matching, images: [&'a GrayImage; 2], range: DisparityRange) -> Option<Self> {
         let [left, right] = images;
         let is_local = match matching.gathering {
@@ -178,7 +178,7 @@ impl<'a> Job<'a> {
         Ok(disparities)
     }
 
-    /// Records all passes, and returns which image of labels has what was made last.
+    /// Records all passes, and returns the image of labels made last.
     fn record(
         &self,
         context: &Context,

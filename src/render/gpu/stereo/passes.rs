@@ -9,8 +9,7 @@ use crate::render::gpu::gpu_data::StereoMatching;
 use crate::render::gpu::layout::Shared;
 use crate::render::gpu::wgsl::shader_file;
 
-/// Bindings of `stereo/pair.wgsl`.
-/// Brightnesses of the left image and behind it those of the right one, four in a word.
+/// Bindings of `stereo/pair.wgsl`. Brightnesses of the left image followed by the right one's, four in a word.
 pub(super) const PIXELS: u32 = 1;
 /// The bits of each of these pixels.
 pub(super) const CENSUS: u32 = 2;
@@ -20,8 +19,7 @@ pub(super) const MADE_CENSUS: u32 = 3;
 pub(super) const COLUMNS: u32 = 4;
 /// Cost sums of all paths, or of squares, 16 bits for each pixel and label.
 pub(super) const SUMS: u32 = 5;
-/// The label of each pixel of the left image, with `IS_UNIQUE` where no other is as good, and behind them those of the
-/// right one.
+/// The label of each pixel of the left image, with `IS_UNIQUE` where no other is as good, followed by the right one's.
 pub(super) const WINNERS: u32 = 6;
 /// Labels, `NO_LABEL` where there is none.
 pub(super) const BEFORE: u32 = 7;

@@ -16,7 +16,7 @@ const CENSUS_BYTES: u64 = 8;
 /// Memory limit for the buffers of a pair.
 const MAX_BYTES: u64 = 512 << 20;
 
-/// More is not kept between pairs.
+/// Maximum memory retained between pairs.
 const MAX_CACHED_BYTES: u64 = 128 << 20;
 
 /// Dimensions that determine the buffer sizes.
@@ -25,7 +25,7 @@ pub(super) struct Sizes {
     pub(super) pixels: u64,
     /// Labels of a pixel, an even number.
     pub(super) labels: u64,
-    /// True if sums of columns are kept in addition to those of squares.
+    /// True if sums of columns are stored in addition to sums of squares.
     pub(super) is_local: bool,
 }
 
@@ -132,7 +132,7 @@ impl Scratch {
         context.queue.write_buffer(&self.uniforms, 0, &uniforms);
     }
 
-    /// Returns the offset of the uniform of a path. That of the first path also serves every other pass.
+    /// Returns the offset of the uniform of a path. The first path's also serves every other pass.
     pub(super) fn uniform_offset(&self, path: usize) -> u32 {
         self.uniform_stride * path as u32
     }

@@ -1,4 +1,4 @@
-//! Pairs matched by the card beside the processor's answers, and sums beside their definition.
+//! Pairs matched by the GPU compared with the CPU's answers, and sums with their definition.
 
 use super::passes::SUMS;
 use super::*;
@@ -14,7 +14,7 @@ const SIZES: [[u32; 2]; 7] = [[1, 1], [9, 1], [1, 7], [5, 40], [33, 17], [47, 31
 /// Ranges: none below 0, some, all, and none of the image's.
 const RANGES: [[i32; 2]; 5] = [[0, 63], [-20, 43], [-3, 60], [-500, -440], [30, 300]];
 
-/// Larger images are matched in fewer ways.
+/// Larger images are matched in fewer modes.
 const MAX_SMALL_PIXELS: u32 = 2000;
 
 static CONTEXT: LazyLock<Arc<Context>> = LazyLock::new(context);
@@ -111,7 +111,7 @@ fn range([min, max]: [i32; 2]) -> DisparityRange {
     DisparityRange::new(min, max).unwrap()
 }
 
-/// How many pixels have a disparity, and the largest difference to the processor's.
+/// The number of pixels with a disparity, and the largest difference from the CPU's.
 fn compare(
     matcher: &CardMatcher,
     matching: &Matching,
@@ -139,7 +139,7 @@ fn compare(
     (expected.found_count(), most)
 }
 
-/// The pairs of a size that are worth their time: those of many pixels are slow on an adapter without a card.
+/// The pairs of a size that are worth their time: large ones are slow on an adapter without a GPU.
 fn pairs_of(size: [u32; 2], seed: u64) -> Vec<(&'static str, [GrayImage; 2])> {
     let mut pairs = pairs(size, seed);
     if size[0] * size[1] > MAX_SMALL_PIXELS {
@@ -172,8 +172,8 @@ fn disparities_match_the_cpu() {
             }
         }
     }
-    // Where nothing is found nothing can differ: for two pairs and five ways of cost aggregation, at least half of the
-    // pixels must be found.
+    // Where nothing is found nothing can differ: for two pairs and five cost aggregations, at least half of the pixels
+    // must be found.
     let pixels = 10 * 128 * 128;
     assert!(found.iter().all(|&count| 2 * count >= pixels), "{found:?} of {pixels}");
 }
@@ -249,7 +249,7 @@ fn sums_over_squares(costs: &[u32], size: [u32; 2], count: usize, radius: i64) -
     sums
 }
 
-/// The sums of all labels on the card.
+/// The sums of all labels on the GPU.
 fn sums_on_card(matching: &Matching, images: [&GrayImage; 2], range: DisparityRange) -> Vec<u32> {
     let context = &*CONTEXT;
     let job = Job::of(context, matching, images, range).unwrap();
@@ -299,7 +299,7 @@ fn sums_are_those_of_the_definition_to_the_bit() {
     }
 }
 
-/// Bits of the processor's disparities and of a matcher's.
+/// Bits of the CPU's disparities and of a matcher's.
 fn bits_of_both(matcher: &CardMatcher, matching: &Matching, [left, right]: &[GrayImage; 2]) -> [Vec<u32>; 2] {
     let bits = |map: DisparityMap| map.pixels().iter().map(|found| found.to_bits()).collect();
     let by_card = matcher.disparities(matching, left, right, range([0, 40])).unwrap();

@@ -31,7 +31,7 @@ struct Counts {
 pub(in crate::render::gpu) struct VisibleCount {
     /// Points that might have been seen.
     pub(in crate::render::gpu) points: usize,
-    /// Those that were.
+    /// Visible points.
     pub(in crate::render::gpu) visible: usize,
 }
 
@@ -43,8 +43,8 @@ impl CountReader {
         }
     }
 
-    /// Asks for the number of a view of so many points, unless another one is under way. To be recorded after it is
-    /// known.
+    /// Requests the number for a view of this many points, unless another request is under way. To be recorded after it
+    /// is known.
     pub(super) fn ask(&self, encoder: &mut wgpu::CommandEncoder, found: &wgpu::Buffer, points: usize) {
         self.last();
         if self.late.ask(encoder, found, FOUND_BYTES) {

@@ -1,18 +1,18 @@
-//! Surfels of the screen: compute passes find the points that a picture shows, with their normals and radii.
+//! Screen-space surfels: compute passes find the visible points of an image, with their normals and radii.
 //!
-//! **How it works.** The card keeps all points of the frame, which were uploaded or made of images (`depth_images`). A
+//! **How it works.** The GPU holds all points of the frame, which were uploaded or made of images (`depth_images`). A
 //! view uploads uniforms alone; passes of the stages of [`crate::analysis::screen`] (`shaders/screen_normals`) write
 //! records of surfels to where the strategy has its own: a storage, uniform or vertex buffer, or one that becomes a
-//! texture. So shaders and draw calls are those of any other cloud, whatever the strategy, as for nodes that are
-//! gathered (`gather.rs`).
+//! texture. So shaders and draw calls are the same as for any other cloud, whatever the strategy, as for gathered nodes
+//! (`gather.rs`).
 //!
-//! How many points are visible, the processor is not told in time: it would have to wait for that. So there is room for
-//! all, and what is beyond the visible ones has the radius by which `compute` drops it and other strategies draw
+//! The CPU does not learn the number of visible points in time: it would have to wait for it. So there is space for
+//! all, and records beyond the visible ones have the radius by which `compute` drops them and other strategies draw
 //! nothing. For statistics the number is read back later (`count.rs`).
 //!
-//! **When it wins.** A real card makes the records in a fraction of the time of the processor, and nothing is uploaded.
-//! A software adapter is the processor, which does better with code that was written for it: there the renderer takes
-//! those of the processor ([`GpuRenderer::set_makes_surfels`](super::GpuRenderer::set_makes_surfels)).
+//! **When it wins.** A real GPU makes the records in a fraction of the CPU's time, and nothing is uploaded. A software
+//! adapter is the CPU, which does better with code written for it: there the renderer takes the CPU's records
+//! ([`GpuRenderer::set_makes_surfels`](super::GpuRenderer::set_makes_surfels)).
 //!
 //! Hofer et al. 2018 §3.4 and §3.5.
 
@@ -53,7 +53,7 @@ pub(super) struct VisibleMaker {
     count: Option<CountReader>,
 }
 
-/// Surfels, or room for them.
+/// Surfels, or buffers for them.
 #[derive(Debug)]
 struct Made {
     of: Arc<VisiblePoints>,
@@ -82,12 +82,12 @@ impl VisibleMaker {
             && sizes_of(visible, &screening(visible)).fit(context)
     }
 
-    /// Forgets what was made: another strategy lays records out otherwise.
+    /// Discards the records: another strategy lays them out differently.
     pub(super) fn clear(&mut self) {
         self.made = None;
     }
 
-    /// Uploads the view, and makes room for all that it could show.
+    /// Uploads the view, and allocates space for all points that it could show.
     pub(super) fn ensure(&mut self, context: &Context, instancing: &dyn RecordInstancing, wanted: Wanted<'_>) {
         let Wanted { visible, points, .. } = wanted;
         let is_known = |made: &Made| Arc::ptr_eq(&made.of, visible) && made.points == points;

@@ -1,4 +1,4 @@
-//! The programs that make surfels of the screen: entry points of one shader, each with what it binds.
+//! The programs that make surfels of the screen: entry points of one shader, each with its bindings.
 
 use crate::render::gpu::compute::{Bound, BufferRow, ComputePrograms, ComputeShader, EntryRow};
 use crate::render::gpu::constants::{self, GROUP_RECORDS};
@@ -34,7 +34,7 @@ pub(super) const CELLS: u32 = 10;
 pub(super) const DRAWN_POINTS: u32 = 11;
 /// Output shapes to draw.
 pub(super) const DRAWN_SHAPES: u32 = 12;
-/// Normals of visible points, or `NO_NORMAL` where there is no plane around.
+/// Normals of visible points, or `NO_NORMAL` where no plane fits.
 pub(super) const NORMALS: u32 = 13;
 
 /// Buffer bindings of the passes, by their names in WGSL.
@@ -144,7 +144,7 @@ pub(super) struct Programs(ComputePrograms);
 pub(super) struct Work {
     /// Byte offset of the uniform.
     pub(super) uniform_offset: u32,
-    /// So many at least.
+    /// Minimum number of invocations.
     pub(super) invocations: u32,
 }
 
@@ -163,7 +163,8 @@ impl Programs {
         self.0.group(context, which as usize, buffer)
     }
 
-    /// Precondition: so many workgroups are one dispatch of the adapter ([`Sizes::fit`](super::scratch::Sizes::fit)).
+    /// Precondition: the adapter can dispatch this many workgroups at once
+    /// ([`Sizes::fit`](super::scratch::Sizes::fit)).
     pub(super) fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, which: Pass, group: &wgpu::BindGroup, work: Work) {
         let groups = [work.invocations.div_ceil(GROUP_RECORDS), 1];
         let bound = Bound {

@@ -1,4 +1,4 @@
-//! The order of the passes, and what each is dispatched for.
+//! The order of the passes, and the dispatch size of each.
 
 use super::passes::{DRAWN_POINTS, DRAWN_SHAPES, POINTS, Pass, Programs, Work};
 use super::scratch::{Scratch, Sizes};
@@ -22,7 +22,7 @@ pub(super) struct Screened<'a> {
     pub(super) sizes: &'a Sizes,
 }
 
-/// Tells visible points from hidden ones, and lists them.
+/// Separates visible points from hidden ones, and lists them.
 pub(super) fn find_visible(recording: &mut Recording<'_>, screened: &Screened<'_>) {
     let Screened {
         programs,
@@ -53,8 +53,8 @@ pub(super) fn find_visible(recording: &mut Recording<'_>, screened: &Screened<'_
     }
 }
 
-/// Puts visible points into cells, fits planes and writes the records of each chunk into its rooms. Precondition:
-/// `counts` are of the chunks whose uniforms stand behind those of levels.
+/// Puts visible points into cells, fits planes and writes the records of each chunk into its buffers. Precondition:
+/// `counts` belong to the chunks whose uniforms follow those of levels.
 pub(super) fn write_surfels(
     recording: &mut Recording<'_>,
     screened: &Screened<'_>,

@@ -18,7 +18,7 @@ const WORD_BYTES: u64 = 4;
 const KEY_BYTES: u64 = 12;
 const PLACE_BYTES: u64 = 16;
 
-/// Buffers of its own: their bindings. Two of these have a second one, by which they are read.
+/// Buffers of its own: their bindings. Two of these have another one, by which they are read.
 const OWN: [u32; 8] = [FOUND, NEAREST, DEPTHS, PLACES, SEEN_POINTS, CELL_KEYS, CELLS, NORMALS];
 
 /// Bindings of the buffers that are cleared to zeros first.
@@ -87,7 +87,7 @@ pub(super) struct Scratch {
 }
 
 impl Scratch {
-    /// Buffers that are large enough: those of `before` as far as they are, and not much larger.
+    /// Buffers that are large enough: those of `before` where they suffice and are not much larger.
     pub(super) fn for_sizes(context: &Context, before: Option<Self>, sizes: &Sizes) -> Self {
         let alignment = context.limits.min_uniform_buffer_offset_alignment;
         let uniform_stride = (size_of::<Screening>() as u32).next_multiple_of(alignment);
@@ -107,7 +107,7 @@ impl Scratch {
         }
     }
 
-    /// Returns the buffer for a binding other than that of points or of the drawn output.
+    /// Returns the buffer for a binding other than those of points and of the drawn output.
     pub(super) fn buffer(&self, binding: u32) -> &wgpu::Buffer {
         let own = match binding {
             NEAREST_DRAWN => NEAREST,

@@ -1,4 +1,4 @@
-//! Surfels that passes make beside those of the processor, on depth images of surfaces.
+//! Surfels made by passes compared with the CPU's, on depth images of surfaces.
 
 use super::passes::Programs;
 use super::record::{Screened, find_visible, write_surfels};
@@ -14,7 +14,7 @@ use wgpu::BufferUsages as Usages;
 /// Records of a chunk: fewer than there are points.
 const MAX: usize = 10_000;
 
-/// A camera in the plane of x and z that looks at what is a unit before the sensor.
+/// A camera in the plane of x and z that looks at a point one unit in front of the sensor.
 fn view(eye: Vec3, size_px: [u32; 2], px_per_slope: f32) -> ScreenView {
     let back = (eye - Vec3::NEG_Z).normalize();
     let right = Vec3::Y.cross(back).normalize();
@@ -75,7 +75,7 @@ fn torus(ray: Vec3) -> Option<f32> {
     None
 }
 
-/// What passes make of points, in chunks, with nothing behind the visible ones.
+/// Output of the passes for points, in chunks, with nothing after the visible ones.
 fn made(
     context: &Context,
     points: &[PointRecord],
@@ -174,8 +174,8 @@ fn passes_find_the_same_points_and_normals_as_the_cpu() {
     }
 }
 
-/// Holds both against each other. Where numbers are equal but for rounding, a point may be visible to one alone; at
-/// rims a normal may be turned to either side.
+/// Compares both. Where numbers are equal except for rounding, a point may be visible to one alone; at outlines a
+/// normal may be turned to either side.
 fn agree(context: &Context, name: &str, points: &[PointRecord], view: &ScreenView, cloud: &ScreenCloud) {
     let mut estimator = ScreenEstimator::default();
     let visible = estimator.cull(view, points, cloud);

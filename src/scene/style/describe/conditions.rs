@@ -1,13 +1,13 @@
-//! Questions that the rows of settings ask of what is drawn.
+//! Conditions of the rows of settings on the style.
 
 /// Answers of a style to the rows of its own settings. A trait, as rows are parts of the style: naming its type there
 /// would be a circle of imports.
 pub trait Conditions {
-    /// True if surfels are drawn, from byte codes if the processor draws.
+    /// True if surfels are drawn, from byte codes if the CPU draws.
     fn asks_for_codes(&self) -> bool;
     /// See `Style::blends_surfels`.
     fn blends_surfels(&self) -> bool;
-    /// Returns true if the GPU draws surfels on their planes, and what is outside their disks is not seen.
+    /// Returns true if the GPU draws surfels on their planes, and pixels outside their disks are not seen.
     fn draws_disks_on_gpu(&self) -> bool;
     /// See `Style::draws_photos`.
     fn draws_photos(&self) -> bool;
@@ -21,7 +21,7 @@ pub trait Conditions {
     fn draws_whole_surfels(&self) -> bool;
     /// True if the first of the lights that fall on the blended surface is far away.
     fn has_key_light(&self) -> bool;
-    /// True if surfels are drawn, and fall off towards their rims as a setting says.
+    /// True if surfels are drawn, and fall off towards their edges by a setting.
     fn has_masks(&self) -> bool;
     /// True if points are drawn whose size is one in pixels.
     fn has_points_of_pixels(&self) -> bool;
@@ -29,17 +29,17 @@ pub trait Conditions {
     fn has_shadows(&self) -> bool;
     /// True if it has, and one of them stands for others.
     fn has_surfel_levels(&self) -> bool;
-    /// True if what is drawn has the radii of surfels: these, or adaptive points.
+    /// True if the content has the radii of surfels: surfels or adaptive points.
     fn has_surfel_radii(&self) -> bool;
     /// Returns true if a GPU draws.
     fn is_drawn_on_gpu(&self) -> bool;
-    /// True if light may fall on what is drawn: surfels, voxels, triangles, or points with normals.
+    /// True if the content can be lit: surfels, voxels, triangles, or points with normals.
     fn is_lit(&self) -> bool;
-    /// True if light falls on the blended surface.
+    /// True if the blended surface is lit.
     fn is_lit_deferred(&self) -> bool;
     /// True if it falls on a material, and from an environment.
     fn is_lit_physically(&self) -> bool;
-    /// True if what is near a place of the blended surface keeps light from it.
+    /// True if surfaces near a position of the blended surface occlude it.
     fn is_occluded(&self) -> bool;
     /// True if all points are drawn as points.
     fn is_of_points(&self) -> bool;

@@ -13,9 +13,9 @@ pub struct Described {
     pub key: &'static str,
     /// Its option on the command line, without dashes; empty where its kinds have options, or it has one of its own.
     pub flag: &'static str,
-    /// Other names of the option: earlier ones, and those of other programs.
+    /// Other names of the option: earlier ones, and other programs'.
     pub other_flags: &'static [&'static str],
-    /// Placeholder of the option's value, where it has no short list of words.
+    /// Placeholder of the option's value, if it has no short list of words.
     pub value_name: &'static str,
     /// Help text of the option; its words and its default are appended.
     pub help: &'static str,
@@ -33,18 +33,18 @@ pub struct Described {
     pub hint: &'static str,
     /// Section of the panel it belongs to.
     pub section: Section,
-    /// When it has an effect.
+    /// Condition under which it has an effect.
     pub when: When,
     /// Representation in the label of a render mode.
     pub label: Label,
     /// Permitted values.
     pub values: Values,
-    /// Words for its values that come with those of other settings.
+    /// Words for its values that also set values of other settings.
     pub shorthands: &'static [Shorthand],
 }
 
 impl Described {
-    /// The rest of a description that says what is not usual.
+    /// The rest of a description of non-default values.
     pub const USUAL: Self = Self {
         key: "",
         flag: "",
@@ -111,8 +111,8 @@ impl Described {
         }
     }
 
-    /// Parses a word or a number of the command line into a value of this setting, and of others where it is a
-    /// shorthand for them. `Err` states what was expected.
+    /// Parses a word or a number of the command line into a value of this setting, and of others if it is a shorthand
+    /// for them. `Err` states the expected input.
     pub fn parse(&self, text: &str) -> Result<Given, String> {
         if let Some(shorthand) = self.shorthands.iter().find(|short| is_same_word(short.word.word, text)) {
             return Ok(shorthand.given.to_vec());
@@ -156,9 +156,9 @@ impl Described {
 /// A part of the panel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Section {
-    /// Size and shape of what is drawn.
+    /// Size and shape of the primitives.
     Look,
-    /// By whom it is drawn, and how many pixels.
+    /// The renderer, and the number of pixels.
     Picture,
     /// Surfel settings.
     Surfels,
@@ -178,16 +178,16 @@ pub enum Section {
     Own,
 }
 
-/// When something about a setting is so: a question to what is drawn.
+/// Condition of a setting: a query of the style.
 pub type When = fn(&dyn Conditions) -> bool;
 
 /// Representation of a setting in the label of a render mode: `{}` stands for the value as files have it, `{title}` for
-/// that of the window.
+/// the window's title of it.
 #[derive(Debug, Clone, Copy)]
 pub enum Label {
-    /// It does not.
+    /// Not represented in the label.
     Untold,
-    /// Whatever it is.
+    /// Always.
     Always(Place, &'static str),
     /// Shown if it differs from the default.
     Unusual(Place, &'static str),
@@ -198,7 +198,7 @@ pub enum Label {
 /// Position in a label.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Place {
-    /// First: what is drawn.
+    /// First: the drawn content.
     What,
     /// Then how finely.
     HowFine,

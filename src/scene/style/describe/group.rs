@@ -66,7 +66,7 @@ macro_rules! group {
                 };
             )+
 
-            /// Shows each setting with its description to `edit`, and takes what that makes of it.
+            /// Shows each setting with its description to `edit`, and takes the edited value.
             pub(super) fn edit(
                 &mut self,
                 edit: &mut dyn FnMut(

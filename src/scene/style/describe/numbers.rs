@@ -15,7 +15,7 @@ pub struct Numbers {
     pub unit: Unit,
     /// Digits behind the point at most.
     pub decimals: usize,
-    /// Equal ways on the slider are equal factors.
+    /// Equal distances on the slider are equal factors.
     pub is_logarithmic: bool,
     /// Word for 0 where that is not a number like the others; empty where it is.
     pub zero: &'static str,
@@ -28,7 +28,7 @@ pub enum Typed {
     Positive,
     /// Finite ones from 0 up.
     NotNegative,
-    /// Those that files may hold; the text says what they are.
+    /// Range that files may hold; the text describes it.
     Retained(&'static str),
     /// Whole ones that files may hold.
     Whole,
@@ -70,7 +70,7 @@ impl Numbers {
         number.clamp(min, max)
     }
 
-    /// A number of the command line. `Err` says what was expected.
+    /// A number of the command line. `Err` states the expected input.
     pub fn parse(&self, text: &str) -> Result<f64, String> {
         let [min, max] = self.retained;
         if self.is_zero_word(text) {

@@ -11,7 +11,7 @@ pub trait Setting: Sized {
     /// Resolved type, which cannot be left open.
     type Decided;
 
-    /// This, or what is usual where it is left open.
+    /// This value, or the default if it is open.
     fn decided(&self) -> Self::Decided;
 
     /// As any setting.
@@ -20,7 +20,7 @@ pub trait Setting: Sized {
     /// From any setting; `None` if it is none of these.
     fn from_value(value: Value) -> Option<Self>;
 
-    /// Shows this with its description to `edit`, and takes what that makes of it.
+    /// Shows this with its description to `edit`, and takes the edited value.
     fn edit(&mut self, described: &'static Described, edit: &mut dyn FnMut(&'static Described, Value) -> Value) {
         let before = self.value();
         let after = edit(described, before);

@@ -1,12 +1,12 @@
 //! Keyframe interpolation: smooth curves through values at ascending times.
 //!
-//! **How it works.** Between neighbouring values runs a cubic (Hermite), whose slopes at the values are those of
-//! Fritsch and Carlson (*Monotone piecewise cubic interpolation*, 1980, with the harmonic mean of Brodlie): 0 where the
-//! values turn round or stand still, else a mean of the two slopes that is at most three times the smaller one. So the
-//! curve has no corner, and between two values it is never beyond either of them: what stands still does, and an
-//! elevation does not swing over the pole.
+//! **How it works.** Between neighbouring values runs a cubic (Hermite), whose slopes at the values follow Fritsch and
+//! Carlson (*Monotone piecewise cubic interpolation*, 1980, with the harmonic mean of Brodlie): 0 where the values turn
+//! round or stand still, else a mean of the two slopes that is at most three times the smaller one. So the curve has no
+//! corner, and between two values it is never beyond either of them: a value at rest stays at rest, and an elevation
+//! does not swing over the pole.
 
-/// One number over time. Precondition of everything here: as many values as times, at least one; times ascend.
+/// One number over time. Precondition of everything here: one value per time, at least one; times ascend.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Curve {
     values: Vec<f64>,
@@ -36,7 +36,7 @@ impl Curve {
         Self { values, slopes }
     }
 
-    /// The value at a share, 0 to 1, of the way from value `index` to the next one, `span` seconds later.
+    /// The value at a fraction, 0 to 1, from value `index` to the next one, `span` seconds later.
     pub(super) fn at(&self, index: usize, share: f64, span: f64) -> f64 {
         let from = self.values[index];
         let Some(&to) = self.values.get(index + 1) else {

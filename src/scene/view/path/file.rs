@@ -11,10 +11,10 @@ use std::path::{Path, PathBuf};
 /// The version that is written, and the only one there is.
 const VERSION: u32 = 1;
 
-/// As many keyframes as there may be, with all digits, take less.
+/// The maximum number of keyframes, with all digits, takes less.
 const MAX_FILE_BYTES: u64 = 64 << 20;
 
-/// Why there is no path in a file.
+/// Reasons why there is no path in a file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PathFileError {
@@ -32,7 +32,7 @@ pub enum PathFileError {
         /// The file.
         path: PathBuf,
     },
-    /// It is not what a path looks like; the reason names line and column.
+    /// It does not have the form of a path; the reason names line and column.
     #[error("{} is not a camera path: {reason}", path.display())]
     Json {
         /// The file.
@@ -48,12 +48,12 @@ pub enum PathFileError {
         /// Its version.
         version: u32,
     },
-    /// The keyframes are no path.
+    /// The keyframes are not a path.
     #[error("{}: {reason}", path.display())]
     Keyframes {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         reason: PathError,
     },
 }
@@ -98,7 +98,7 @@ struct WrittenKeyframe {
     azimuth_deg: f64,
     elevation_deg: f64,
     fov_deg: f64,
-    /// The picture of a sensor; others do not say it.
+    /// The picture plane of a sensor; others omit it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     plane: Option<WrittenPlane>,
 }
@@ -133,7 +133,7 @@ impl CameraPath {
     /// Reads a path from a JSON file.
     ///
     /// # Errors
-    /// What is wrong with the file, with line and column, or with which keyframe.
+    /// Description of the fault in the file, with line and column, or with the keyframe.
     pub fn read(path: &Path) -> Result<Self, PathFileError> {
         let io = |reason| PathFileError::Io {
             path: path.to_owned(),

@@ -2,9 +2,9 @@
 //!
 //! **How it works.** A path is a list of keyframes. Between them the camera moves along curves without corners
 //! (`curve.rs`) through its target (f64), the logarithm of its distance, its azimuth the short way round, its
-//! elevation, the logarithm of its field of view, so that zooming looks even, and where its picture is on its axis. The
-//! place in the sequence moves linearly: a frame that two neighbouring keyframes have is held, few frames over a long
-//! time are slow motion, and frames that fall play backwards, exactly as they were written.
+//! elevation, the logarithm of its field of view, so that zooming looks even, and the position of its image on its
+//! axis. The place in the sequence moves linearly: a frame that two neighbouring keyframes have is held, few frames
+//! over a long time are slow motion, and frames that fall play backwards, exactly as they were written.
 
 mod curve;
 mod file;
@@ -28,7 +28,7 @@ pub struct Keyframe {
     pub frame: f64,
 }
 
-/// Why keyframes are no path. Keyframes are counted from 1.
+/// Reasons why keyframes are not a path. Keyframes are counted from 1.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PathError {
@@ -98,13 +98,13 @@ pub struct CameraPath {
 const MIN_STEP_S: f64 = 1e-6;
 
 impl CameraPath {
-    /// Most keyframes of a path.
+    /// Maximum number of keyframes of a path.
     pub const MAX_KEYFRAMES: usize = 100_000;
 
     /// A path through `keyframes`; `eases` lets the camera start and end at rest; frames play as they are written.
     ///
     /// # Errors
-    /// What is wrong with which keyframe: numbers out of range, times that do not ascend, another up axis.
+    /// The fault and its keyframe: numbers out of range, times that do not ascend, another up axis.
     pub fn new(keyframes: Vec<Keyframe>, eases: bool) -> Result<Self, PathError> {
         check(&keyframes)?;
         let times: Vec<f64> = keyframes.iter().map(|key| key.time_s).collect();
@@ -132,8 +132,8 @@ impl CameraPath {
         })
     }
 
-    /// A turntable: `turns` times about the up axis in so many pictures, at one speed, as a loop: the picture after the
-    /// last one would be the first. The sequence is at frame `first_frame` in the first picture and goes on by
+    /// A turntable: `turns` times about the up axis in this many images, at one speed, as a loop: the image after the
+    /// last one would be the first. The sequence is at frame `first_frame` in the first image and goes on by
     /// `frames_per_picture`.
     ///
     /// # Errors
@@ -191,8 +191,7 @@ impl CameraPath {
         (self.duration_s() * pictures_per_second).round() as usize + 1
     }
 
-    /// The camera and the frame some seconds after the first keyframe; before it and after the last one those of the
-    /// ends.
+    /// The camera and the frame some seconds after the first keyframe; before it and after the last one, the ends.
     pub fn at(&self, seconds: f64) -> (Camera, usize) {
         let keys = &self.keyframes;
         let time_s = keys[0].time_s + seconds;
@@ -224,12 +223,12 @@ fn wrapped(deg: f64) -> f64 {
     deg - 360.0 * (deg / 360.0).round()
 }
 
-/// Angles that each go on the short way round from the one before.
+/// Angles that each continue from the one before the short way round.
 fn unwrapped(keyframes: &[Keyframe], angle_deg: fn(&Camera) -> f64) -> Vec<f64> {
     let mut last = angle_deg(&keyframes[0].camera);
     let angle = |key: &Keyframe| {
         let step = angle_deg(&key.camera) - last;
-        // Up to half a turn goes the way it is written.
+        // Up to half a turn follows the written direction.
         let is_short = step.abs() <= 180.0;
         last += if is_short { step } else { wrapped(step) };
         last

@@ -173,7 +173,7 @@ prop_compose! {
     }
 }
 
-/// What moves, as it is interpolated.
+/// Moving values, as they are interpolated.
 fn moving(camera: &Camera) -> [f64; 6] {
     let [x, y, z] = camera.target_in_world.to_array();
     let distance = camera.distance.ln();
@@ -212,7 +212,7 @@ proptest! {
         prop_assert!(camera.azimuth_deg.abs() <= 180.0);
     }
 
-    /// No corners: the speeds a moment before and after a keyframe differ by no more than the curves beside it can
+    /// No corners: the speeds just before and after a keyframe differ by no more than the adjacent curves can
     /// accelerate.
     #[test]
     fn the_camera_speed_is_continuous_at_keyframes(path in any_path()) {

@@ -1,4 +1,4 @@
-//! Picking of byte-code surfels that a ray may hit: what is drawn as masks is picked as disks.
+//! Picking of byte-code surfels that a ray may hit: splats drawn as masks are picked as disks.
 //!
 //! How it works: the tree is traversed from the root. A node whose cell, with the splats below it, is farther from the
 //! ray than the radius is skipped; one whose cell is small enough on the image, or on the deepest level, is a disk.
@@ -64,7 +64,7 @@ pub(super) fn surfels_near(ray: &Ray, coded: &CodedCells, style: &DrawSettings, 
     }
 }
 
-/// The surfel of a node in a cell, with as many bits as are drawn.
+/// The surfel of a node in a cell, with the drawn number of bits.
 fn surfel(attributes: NodeAttributes, center: Vec3, edge: f32, style: CodeStyle) -> (PointRecord, ShapeRecord) {
     let bits = style.normal_bits.bits();
     let normal = quantised_normals(bits)[coarser_normal(attributes.normal(), bits) as usize];

@@ -1,8 +1,8 @@
-//! Occlusion test of a point of the cloud against what is drawn.
+//! Occlusion test of a point of the cloud against the drawn records.
 //!
-//! **How it works.** The ray through the pixel of the point is tested against what is drawn, as for a click. The first
-//! hit occludes the point if that is behind it by more than surfels of one surface are apart: a label on a surface is
-//! not hidden by its neighbours.
+//! **How it works.** The ray through the pixel of the point is tested against the drawn records, as for a click. The
+//! first hit occludes the point if that is behind it by more than the distance of surfels of one surface: a label on a
+//! surface is not hidden by its neighbours.
 
 use super::codes::surfels_near;
 use super::ray::Ray;
@@ -13,8 +13,8 @@ use glam::{DVec2, DVec3};
 /// Occlusion slack: an occluder is nearer than the point by at least this fraction of the point's distance.
 const SLACK: f64 = 0.02;
 
-/// Performs the occlusion test for `places`, relative to the origin of the sequence, each with the pixel in which it is
-/// seen: true for those that are behind what is drawn there. What is not in the image is not hidden.
+/// Performs the occlusion test for `places`, relative to the origin of the sequence, each with its pixel: true for
+/// those behind the surface drawn there. Places outside the image are not hidden.
 pub fn hidden(packet: &ScenePacket, places: &[(DVec3, DVec2)]) -> Vec<bool> {
     let [width, height] = packet.viewport_px.map(f64::from);
     let is_seen = |px: DVec2| (0.0..width).contains(&px.x) && (0.0..height).contains(&px.y);
@@ -43,7 +43,7 @@ fn is_behind(packet: &ScenePacket, place: DVec3, px: DVec2) -> bool {
     nearest_place(packet, &ray).is_some_and(|nearest| ray.depth_of(nearest) < depth - slack)
 }
 
-/// Returns the nearest hit of the ray with what is drawn.
+/// Returns the nearest hit of the ray with the drawn records.
 fn nearest_place(packet: &ScenePacket, ray: &Ray) -> Option<DVec3> {
     let of_surfels = |surfels: &Surfels| {
         if packet.style.primitive == Primitive::Point {

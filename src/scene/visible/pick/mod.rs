@@ -4,11 +4,11 @@
 //! was drawn from, in f64, by the rules of the renderers: a point where its square or disk covers the pixel, a surfel
 //! where the ray hits its disk, a voxel where it hits its cube. Records are stored in Morton order, so the boxes around
 //! 64 of them are small, and all but a few are skipped (`ray.rs`). Of blended surfels the one that adds most to the
-//! pixel is picked. Where nothing covers the pixel, what is nearest to it within a radius is: thin things can be
-//! clicked on.
+//! pixel is picked. Where nothing covers the pixel, the nearest record within a radius is: thin things can be clicked
+//! on.
 //!
 //! **Why on the CPU.** It costs one read of the positions (`benches/pick.rs`), does not depend on the renderer, and
-//! answers immediately: an index buffer would be one more target for every pass, cannot hold what is blended, and has
+//! answers immediately: an index buffer would be one more target for every pass, cannot hold blended records, and has
 //! to be read back.
 
 mod codes;
@@ -32,7 +32,7 @@ use std::sync::Arc;
 /// Points that are worth handing to another thread.
 const POINTS_PER_TASK: usize = 1 << 14;
 
-/// All that is known of a point.
+/// All known data of a point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pick {
     /// Index of its frame in the sequence.
@@ -105,13 +105,13 @@ fn half_step(position: Vec3) -> f64 {
     0.5 * (f64::from(largest.next_up()) - f64::from(largest))
 }
 
-/// The slot in `frame` of the point under the pixel that holds `place_px`, of the picture that was drawn of `frame`
-/// from `packet`; else of the one nearest to it on the picture, less than `radius_px` away; `None` where there is none.
-/// Of points at one place it is the last, whose colour is seen.
+/// The slot in `frame` of the point under the pixel that holds `place_px`, in the image drawn of `frame` from `packet`;
+/// else of the point nearest to it in the image, less than `radius_px` away; `None` if there is none. Of points at one
+/// place it is the last, whose colour is seen.
 ///
-/// Where cells of the octree are drawn, it is the point nearest to where the ray meets them: of a voxel one that is
-/// inside, unless it closes a gap between others. Where triangles are drawn, it is the nearest one as well: they may
-/// have no other points than their corners.
+/// Where cells of the octree are drawn, it is the point nearest to the hit: for a voxel one that is inside, unless it
+/// closes a gap between others. Where triangles are drawn, it is the nearest one as well: they may have no other points
+/// than their corners.
 pub fn pick(packet: &ScenePacket, frame: &PreparedFrame, place_px: [f64; 2], radius_px: f64) -> Option<usize> {
     let ray = Ray::new(packet, place_px);
     match &packet.content {
@@ -182,7 +182,7 @@ fn slot_of(packet: &ScenePacket, frame: &PreparedFrame, drawn: &Arc<Vec<PointRec
     }
 }
 
-/// Returns the [`nearest`] of what is not clipped, if there is such a point: a cell is drawn if its centre is kept.
+/// Returns the [`nearest`] unclipped point, if there is one: a cell is drawn if its centre is unclipped.
 fn nearest_drawn(
     packet: &ScenePacket,
     frame: &PreparedFrame,

@@ -188,8 +188,8 @@ impl Oracle<'_> {
     }
 }
 
-/// Returns the one nearest to the centre of what is drawn there, of those no farther behind the nearest than its
-/// radius. Each is a depth, a radius, a fraction of the radius and a slot.
+/// Returns the record whose centre is nearest there, of those no farther behind the nearest than its radius. Each is a
+/// depth, a radius, a fraction of the radius and a slot.
 fn max_of_blended(mut met: Vec<(f64, f64, f64, usize)>) -> Option<usize> {
     let backmost = met.iter().map(|&(depth, radius, ..)| depth + radius).reduce(f64::min)?;
     met.retain(|&(depth, ..)| depth <= backmost);

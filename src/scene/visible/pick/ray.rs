@@ -1,11 +1,11 @@
-//! A ray through a pixel, and what of a packet it meets.
+//! A ray through a pixel, and its hits of a packet.
 
 use crate::scene::ScenePacket;
 use glam::{DMat3, DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Most records of a block.
+/// Maximum number of records of a block.
 // With boxes, 1,000,000 points take 2.0 to 2.7 ms, surfels 3.5 to 5.0 ms; one read of all positions takes 1.7 ms
 // (development build, two busy cores).
 const BLOCK: usize = 64;
@@ -33,7 +33,7 @@ pub(super) struct RayHit {
     pub(super) place: DVec3,
     /// Depth of that position from the eye along the view, scene units.
     depth: f64,
-    /// Blending slack: what is farther away by at most this is blended with it.
+    /// Blending slack: records farther away by at most this are blended with it.
     slack: f64,
     /// From its outline to the pixel; `None` where it covers it.
     miss_px: Option<f64>,
@@ -121,7 +121,7 @@ impl Ray {
         -(self.view_from_frame * (place - self.eye)).z
     }
 
-    /// The record whose colour the pixel mostly has; where it has none, the nearest one on the picture.
+    /// The record whose colour the pixel mostly has; if it has none, the nearest one in the image.
     pub(super) fn choose(&self, records: &impl Drawn, radius_px: f64) -> Option<RayHit> {
         let seen: Vec<RayHit> = (0..records.len().div_ceil(BLOCK))
             .into_par_iter()

@@ -84,7 +84,7 @@ fn meet_sprite(depth: f64, aside_px: DVec2, half_px: f64, shape: PointShape) -> 
     })
 }
 
-/// Surfels as the disks or ellipses whose depths decide what is seen.
+/// Surfels as the disks or ellipses whose depths decide visibility.
 pub(super) struct Disks<'a> {
     points: &'a [PointRecord],
     shapes: &'a [ShapeRecord],

@@ -1,5 +1,5 @@
-//! Servers and clients in one process, over the loopback. Waits are long, as machines are busy; what is waited for is
-//! looked at every few milliseconds.
+//! Servers and clients in one process, over the loopback. Waits are long, as machines are busy; conditions are polled
+//! every few milliseconds.
 
 mod hostile;
 mod surfels;
@@ -139,7 +139,7 @@ impl Drop for Running {
     }
 }
 
-/// Frames of `count` points of which each knows its frame.
+/// Frames of `count` points, each of which encodes its frame.
 fn points(frames: usize, count: usize) -> FrameList {
     let entries = (0..frames)
         .map(|frame| FrameEntry::embedded(frame.to_string(), &[]))
@@ -277,7 +277,7 @@ fn a_temporal_filter_sees_the_previous_frames() {
     assert_eq!(text(&all.last().unwrap()), alone);
 }
 
-/// Reads as a program of somebody else would, and says what it has received, or not.
+/// Reads as another program would, acknowledging received frames, or not.
 struct Reader {
     stream: TcpStream,
     says: bool,
@@ -467,7 +467,7 @@ fn a_received_stream_can_be_recorded_and_reopened() {
         assert!(number >= first + index as u64);
         assert_eq!(decoded(&*recorded, index), cloud((number % 5) as f32, 40));
     }
-    // A truncated file has the complete frames, and says where it ends.
+    // A truncated file has the complete frames, and reports its end.
     let whole = std::fs::read(&path).unwrap();
     let cut = folder.path().join("cut.pointreel-stream");
     std::fs::write(&cut, &whole[..whole.len() - 100]).unwrap();
@@ -538,7 +538,7 @@ fn memory_stays_flat_over_thousands_of_frames() {
         }
         received() > FRAMES
     });
-    // A frame is 8 KB: 5,000 of them would be 40 MB; what the server retains of its own frames is counted separately.
+    // A frame is 8 KB: 5,000 of them would be 40 MB; frames that the server itself retains are counted separately.
     let grown = resident_bytes().saturating_sub(memory);
     let buffered_by_server = made.load(Ordering::Relaxed) * 8200;
     assert!(
@@ -552,7 +552,7 @@ fn memory_stays_flat_over_thousands_of_frames() {
     );
 }
 
-/// Of this process; nothing where the system does not say it so.
+/// Memory of this process; none if the system does not report it in this form.
 fn resident_bytes() -> usize {
     let pages = std::fs::read_to_string("/proc/self/statm").ok();
     let pages = pages.and_then(|text| text.split(' ').nth(1)?.parse::<usize>().ok());

@@ -1,4 +1,4 @@
-//! Clients that say what they look at.
+//! Clients that send their view.
 
 use super::*;
 use crate::wire::View;

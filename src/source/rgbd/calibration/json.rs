@@ -54,7 +54,7 @@ fn size(value: &Value) -> Result<Option<[u32; 2]>, String> {
 }
 
 /// Open3D's `intrinsic_matrix`, column by column; `camera` of Replica, with the units of its depths; a matrix as lists
-/// of rows; or what `pointreel info --json` writes.
+/// of rows; or the output of `pointreel info --json`.
 pub(super) fn calibration(text: &str, because: String) -> Result<Calibration, String> {
     let json: Value = serde_json::from_str(text).map_err(|error| error.to_string())?;
     if let Some(camera) = json.get("camera").filter(|camera| camera.is_object()) {
@@ -103,7 +103,7 @@ pub(super) fn calibration(text: &str, because: String) -> Result<Calibration, St
     })
 }
 
-/// Units of the depth images that are a metre; what is below 1 is the length of a unit.
+/// Units of the depth images per metre; a value below 1 is the length of a unit.
 fn units(value: &Value) -> Option<f64> {
     let said = SCALES.iter().find_map(|key| value.get(key)?.as_f64());
     said.and_then(units_of_scale)

@@ -17,9 +17,9 @@ pub(in crate::source::rgbd) struct Intrinsics {
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::source::rgbd) struct Calibration {
     pub(in crate::source::rgbd) depth: Intrinsics,
-    /// Colour camera calibration, if its position or lens differs from that of the depth camera.
+    /// Colour camera calibration, if its position or lens differs from the depth camera's.
     pub(in crate::source::rgbd) color: Option<(Intrinsics, DAffine3)>,
-    /// Units of the depth images that are a metre, if it says that too.
+    /// Units of the depth images per metre, if it states that too.
     pub(in crate::source::rgbd) units_per_metre: Option<f64>,
     /// Human-readable origin of the calibration.
     pub(in crate::source::rgbd) because: String,
@@ -70,7 +70,7 @@ impl Intrinsics {
     }
 }
 
-/// Why there is no camera for an image.
+/// Reasons why there is no camera for an image.
 pub(in crate::source::rgbd) enum NoCamera {
     /// Another size was expected.
     Size([u32; 2]),

@@ -85,7 +85,7 @@ pub(super) fn pinhole_of(numbers: &[f64]) -> Option<[f64; 4]> {
     }
 }
 
-/// Units per metre of a number that says it either way round.
+/// Units per metre from a number that states them or their inverse.
 pub(super) fn units_of_scale(scale: f64) -> Option<f64> {
     let is_length = scale > 0.0 && scale < 1.0;
     let units = if is_length { scale.recip() } else { scale };
@@ -97,7 +97,7 @@ fn size_of(width: f64, height: f64) -> Option<[u32; 2]> {
     (is_size(width) && is_size(height)).then_some([width as u32, height as u32])
 }
 
-/// Names and their values, in lower case and without what is in front of a full stop.
+/// Names and their values, in lower case and without the part before a full stop.
 struct Named(Vec<(String, Vec<f64>)>);
 
 impl Named {
@@ -143,7 +143,7 @@ impl Named {
     }
 }
 
-/// The cameras that names with values tell; `None` of other text.
+/// The cameras given by names with values; `None` for other text.
 fn of_names(text: &str, because: &str) -> Option<Calibration> {
     let named = Named::of(text);
     let depth_size: [&[&str]; 2] = [

@@ -233,7 +233,7 @@ mod tests {
         Device::of_json(json.to_string().as_bytes())
     }
 
-    /// By hand, from the table of the SDK: sizes of the sensor, what is cut, and half a pixel.
+    /// Values by hand, from the table of the SDK: sizes of the sensor, the cropping, and half a pixel.
     #[test]
     fn depth_camera_modes_are_parts_of_its_sensor() {
         let device = device(&json([4096, 3072])).unwrap();
@@ -275,7 +275,7 @@ mod tests {
         assert!(device.color([640, 400]).unwrap_err().contains("640 × 400"));
     }
 
-    /// A device that was calibrated for the middle sees the same: 16:9 numbers are those of 4:3 in other units.
+    /// A device that was calibrated for the centre sees the same: 16:9 numbers are the 4:3 ones in other units.
     #[test]
     fn early_devices_were_calibrated_for_the_center() {
         let mut of_center = json([3840, 2160]);

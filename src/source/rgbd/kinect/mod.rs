@@ -93,7 +93,7 @@ fn find(path: &Path, options: &RgbdOptions, read: &ReadOptions) -> Result<FoundR
     Ok(found)
 }
 
-/// The track with the colours, and what its frames are.
+/// The track with the colours, and the kind of its frames.
 struct Colors<'a> {
     track: &'a Track,
     pixels: BlockPixels,
@@ -249,7 +249,7 @@ impl KinectRecording<'_> {
     }
 }
 
-/// So many nanoseconds before `time`, but not before the first.
+/// The given number of nanoseconds before `time`, but not before the first.
 fn earlier(time: Duration, by_ns: i64) -> Duration {
     let by = Duration::from_nanos(by_ns.unsigned_abs());
     if by_ns < 0 {

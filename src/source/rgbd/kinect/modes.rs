@@ -1,6 +1,6 @@
 //! Depth camera modes: the region of the sensor that an image covers.
 //!
-//! The table is that of the SDK (`transformation/mode_specific_calibration.c`): narrow modes crop the centre of the
+//! The table comes from the SDK (`transformation/mode_specific_calibration.c`): narrow modes crop the centre of the
 //! sensor of 1024 × 1024 pixels, binned ones combine blocks of 2 × 2.
 
 /// A mode of the depth camera.
@@ -42,8 +42,8 @@ const MODES: [DepthMode; 4] = [
     },
 ];
 
-/// The mode of images of this size, which has to be that of the tag, if there is one of a mode that is known. Sizes
-/// differ from mode to mode.
+/// The mode of images of this size, which has to match the tag, if there is one of a known mode. Sizes differ from mode
+/// to mode.
 pub(super) fn of_depth(tag: Option<&str>, size_px: [u32; 2]) -> Result<DepthMode, String> {
     let [width, height] = size_px;
     let named = MODES.iter().find(|mode| Some(mode.name) == tag);

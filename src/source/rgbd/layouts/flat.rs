@@ -1,5 +1,5 @@
-//! Depth and colour images in one folder, told apart by a word of their names: `cam_Depth_*.png` and `cam_Color_*.png`
-//! of the viewer of RealSense, `depth_*.png` and `rgb_*.png` of scripts.
+//! Depth and colour images in one folder, distinguished by a word of their names: `cam_Depth_*.png` and
+//! `cam_Color_*.png` of the viewer of RealSense, `depth_*.png` and `rgb_*.png` of scripts.
 
 use super::sidecars;
 use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units};

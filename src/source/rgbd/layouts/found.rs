@@ -17,18 +17,18 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A way to lay recordings out.
+/// A layout of recordings.
 pub(in crate::source::rgbd) struct Layout {
     /// Its name, for people.
     pub(in crate::source::rgbd) name: &'static str,
     /// Predicate that returns true if a folder has the layout's names, before anything in it is read.
     pub(super) is_likely: fn(&Folder) -> bool,
-    /// The recording in a folder; `None` if the folder is laid out in another way.
+    /// The recording in a folder; `None` if the folder has another layout.
     pub(super) find: fn(&Folder) -> Result<Option<FoundRecording>, RgbdError>,
 }
 
 impl Layout {
-    /// A layout that names alone do not tell.
+    /// A layout that names alone do not identify.
     pub(super) const fn new(
         name: &'static str,
         find: fn(&Folder) -> Result<Option<FoundRecording>, RgbdError>,
@@ -41,7 +41,7 @@ impl Layout {
     }
 }
 
-/// A recording as its folder or file tells it.
+/// A recording as described by its folder or file.
 #[derive(Debug)]
 pub(in crate::source::rgbd) struct FoundRecording {
     pub(in crate::source::rgbd) frames: Vec<FrameImages>,
@@ -49,13 +49,13 @@ pub(in crate::source::rgbd) struct FoundRecording {
     /// Origin of the units of `code`.
     pub(in crate::source::rgbd) units: Units,
     pub(in crate::source::rgbd) assumptions: Vec<Assumption>,
-    /// Notes on what is skipped, one sentence each.
+    /// Notes on skipped parts, one sentence each.
     pub(in crate::source::rgbd) notes: Vec<String>,
     /// Descriptions of truncated or damaged files, one sentence each; not among the notes.
     pub(in crate::source::rgbd) damage: Vec<String>,
 }
 
-/// Images of a frame, and what is known of it.
+/// Images of a frame, and its known data.
 #[derive(Debug, Clone)]
 pub(in crate::source::rgbd) struct FrameImages {
     pub(in crate::source::rgbd) depth: StoredImage,
@@ -79,7 +79,7 @@ impl FrameImages {
 }
 
 impl FoundRecording {
-    /// Frames of these depth images, with times if their names tell some.
+    /// Frames of these depth images, with times if their names have some.
     pub(super) fn of_pairs(depths: Vec<PathBuf>, pairs: Pairs, calibration: Calibration, code: DepthCode) -> Self {
         let names: Vec<&str> = depths.iter().map(|path| name_of(path)).collect();
         let times = times_of_names(&names);
@@ -127,8 +127,8 @@ impl FoundRecording {
         }
     }
 
-    /// Gives the frames the poses in the file at `path`. What is no trajectory is said and costs the poses, not the
-    /// images. True if frames have poses by it.
+    /// Gives the frames the poses in the file at `path`. A file that is not a trajectory is reported and costs the
+    /// poses, not the images. True if frames have poses by it.
     pub(super) fn take_trajectory(&mut self, path: &Path) -> bool {
         match Trajectory::read_and_tell(path) {
             Ok((trajectory, takes_order)) => {
@@ -165,7 +165,7 @@ impl FoundRecording {
         }
     }
 
-    /// Gives each frame the pose in the file of its name. A file that is no pose costs that one. `folder` is that of
+    /// Gives each frame the pose in the file of its name. A file that is not a pose costs that one. `folder` contains
     /// the files.
     pub(super) fn take_pose_files(&mut self, folder: &str, files: &[PathBuf]) {
         let depths: Vec<PathBuf> = self.frames.iter().map(|frame| frame.depth.path().to_owned()).collect();

@@ -1,7 +1,7 @@
 //! Folder layouts of depth image recordings used by programs and data sets: one row each.
 //!
-//! A layout looks at names, and reads what is small: lists, poses, cameras. To add one: a file with its [`Layout`], and
-//! a row of the table.
+//! A layout looks at names, and reads small files: lists, poses, cameras. To add one: a file with its [`Layout`], and a
+//! row of the table.
 
 mod arkit_scenes;
 mod flat;
@@ -51,7 +51,7 @@ const TABLE: &[Layout] = &[
     flat::LAYOUT,
 ];
 
-/// The recording in `folder`; `None` if it is laid out in no way of the table.
+/// The recording in `folder`; `None` if it has no layout of the table.
 pub(super) fn find(folder: &Folder) -> Result<Option<(&'static str, FoundRecording)>, RgbdError> {
     for layout in TABLE {
         if let Some(mut found) = (layout.find)(folder)? {

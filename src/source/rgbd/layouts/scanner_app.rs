@@ -2,8 +2,8 @@
 //! `depth_00000.png` in millimetres, by their numbers.
 //!
 //! The JSON has the lens of the colour image (`intrinsics`, nine numbers by rows) and the pose of `ARKit`
-//! (`cameraPoseARFrame`, sixteen by rows), whose camera has x right, y up and z backward. Depth images show what colour
-//! images show, with fewer pixels; images without depths are more frequent and have none.
+//! (`cameraPoseARFrame`, sixteen by rows), whose camera has x right, y up and z backward. Depth images have the view of
+//! colour images, with fewer pixels; images without depths are more frequent and have none.
 
 use super::sidecars::Distinct;
 use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units};

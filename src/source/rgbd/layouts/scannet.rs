@@ -2,8 +2,8 @@
 //! are 4 × 4.
 //!
 //! The depth camera and the colour camera have a lens each (`intrinsic_depth.txt`, `intrinsic_color.txt`) and are taken
-//! to be in one place unless `extrinsic_*.txt` say otherwise. A pose of −inf is that of a frame that was not tracked.
-//! Some exports lack the folder of cameras, but have the text next to the scan (`scene0000_00.txt`) or `_info.txt`.
+//! to be in one place unless `extrinsic_*.txt` say otherwise. A pose of −inf marks a frame that was not tracked. Some
+//! exports lack the folder of cameras, but have the text next to the scan (`scene0000_00.txt`) or `_info.txt`.
 
 use super::folders::{COLOR, DEPTH};
 use super::sidecars::is_named;

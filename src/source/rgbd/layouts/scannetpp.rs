@@ -1,6 +1,6 @@
 //! ScanNet++ (Yeshwanth et al. 2023): images of an iPhone in `rgb` and `depth`, and `pose_intrinsic_imu.json` with the
 //! lens of the colour image (`intrinsic`) and the pose of each frame, `aligned_pose` in the frame of the laser scan.
-//! Depth images show what colour images show, with fewer pixels, in millimetres.
+//! Depth images have the view of colour images, with fewer pixels, in millimetres.
 
 use super::folders::{COLOR, DEPTH};
 use super::sidecars::Distinct;

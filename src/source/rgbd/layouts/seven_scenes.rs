@@ -1,14 +1,14 @@
-//! 7-Scenes (Shotton et al. 2013): `frame-000000.color.png`, `.depth.png` and `.pose.txt`; and what is written by the
-//! same names with other images (`.color.jpg`, `.depth.pgm`: ScanNet's reader, BundleFusion, TSDF fusion).
+//! 7-Scenes (Shotton et al. 2013): `frame-000000.color.png`, `.depth.png` and `.pose.txt`; and recordings by the same
+//! names with other images (`.color.jpg`, `.depth.pgm`: ScanNet's reader, BundleFusion, TSDF fusion).
 //!
-//! The latter tell their cameras: `_info.txt` or `info.txt` next to the images, `camera-intrinsics.txt` there or in the
-//! folder around. Where no file does, the cameras are those of the data set:
+//! The latter state their cameras: `_info.txt` or `info.txt` next to the images, `camera-intrinsics.txt` there or in
+//! the folder around. If no file does, the data set's cameras apply:
 //!
-//! Depths and colours are those of a Kinect as its two cameras took them: nothing was registered, and poses are those
-//! of the depth camera. The data set tells the depth camera alone. The colour camera has a wider lens, so that taking
-//! one for the other is off by up to 36 pixels at the border. It stands for what is usual of a Kinect: ACE (Brachmann
-//! et al. 2023) takes the same numbers for these scenes, from the calibration of a Kinect by LIRIS (Lyon).
-//! `--intrinsics 585,585,320,240` says that colours were registered after all.
+//! Depths and colours are those of a Kinect as its two cameras took them: nothing was registered, and poses belong to
+//! the depth camera. The data set states the depth camera alone. The colour camera has a wider lens, so that taking one
+//! for the other is off by up to 36 pixels at the border. It is a typical Kinect's: ACE (Brachmann et al. 2023) takes
+//! the same numbers for these scenes, from the calibration of a Kinect by LIRIS (Lyon). `--intrinsics 585,585,320,240`
+//! says that colours were registered after all.
 
 use super::sidecars;
 use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units};

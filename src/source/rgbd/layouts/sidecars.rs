@@ -1,8 +1,8 @@
 //! Cameras and poses next to depth images, by the names that programs give them.
 //!
-//! A file that is named after a camera has to tell one. JSON of another name may be anything (labels, settings): it is
-//! read as a camera if it is one. A text of the right name is looked for in the folder around the recording as well,
-//! where data sets keep what all their recordings have in common.
+//! A file that is named after a camera has to contain one. JSON of another name may be anything (labels, settings): it
+//! is read as a camera if it is one. A text of the right name is looked for in the folder around the recording as well,
+//! where data sets store files shared by all their recordings.
 
 use super::{Calibration, Folder, FoundRecording, RgbdError};
 use crate::messages::listed;
@@ -49,10 +49,10 @@ const POSE_FOLDERS: &[&str] = &["pose", "extrinsic", "c2w", "w2c", "cam2world", 
 /// Point clouds that a note names.
 const NAMED: usize = 3;
 
-/// A camera next to depth images, and that of their colours where it is another one.
+/// A camera next to depth images, and the camera of their colours if it is another one.
 ///
 /// # Errors
-/// A file with the name of a camera that tells none.
+/// A file with the name of a camera that contains none.
 pub(super) fn camera(folder: &Folder, notes: &mut Vec<String>) -> Result<Option<Calibration>, RgbdError> {
     let mut files = folder.files(is_camera);
     if let Some(cameras) = folder.sub(CAMERA_FOLDERS) {
@@ -105,7 +105,7 @@ pub(super) fn camera(folder: &Folder, notes: &mut Vec<String>) -> Result<Option<
     Ok(None)
 }
 
-/// The first of `files` that tells a camera. One that has to and does not is an error, others are noted.
+/// The first of `files` that contains a camera. One that has to and does not is an error, others are noted.
 fn first_camera(files: &[PathBuf], notes: &mut Vec<String>) -> Result<Option<(PathBuf, Calibration)>, RgbdError> {
     for path in files {
         let name = name_of(path).to_ascii_lowercase();
@@ -132,12 +132,12 @@ fn first_camera(files: &[PathBuf], notes: &mut Vec<String>) -> Result<Option<(Pa
     Ok(None)
 }
 
-/// Returns true if a file next to depth images is that of a camera or of poses, by its name.
+/// Returns true if a file next to depth images holds a camera or poses, by its name.
 pub(super) fn is_known(name: &str) -> bool {
     is_camera(name) || is_trajectory(name)
 }
 
-/// Gives frames the poses of a file or a folder next to them. What looks like poses and is not used is named.
+/// Gives frames the poses of a file or a folder next to them. Unused files that look like poses are named.
 pub(super) fn take_poses(folder: &Folder, found: &mut FoundRecording) -> Result<(), RgbdError> {
     let mut unused = Vec::new();
     for path in trajectories(folder) {
@@ -196,7 +196,7 @@ impl Distinct {
     }
 }
 
-/// Says which point clouds next to a recording are not opened.
+/// Reports the point clouds next to a recording that are not opened.
 pub(super) fn note_of_clouds(folder: &Folder) -> Option<String> {
     let clouds: Vec<&str> = folder.clouds().into_iter().filter(|name| !is_known(name)).collect();
     let named: Vec<String> = clouds.iter().take(NAMED).map(|name| (*name).to_owned()).collect();
@@ -255,7 +255,7 @@ fn is_trajectory(name: &str) -> bool {
     .any(|word| name.contains(word))
 }
 
-/// Returns true if `name` is that of a camera file.
+/// Returns true if `name` is a camera file's.
 pub(super) fn is_camera(name: &str) -> bool {
     let lower = name.to_ascii_lowercase();
     let stem = lower.rsplit_once('.').map_or(lower.as_str(), |(stem, _)| stem);

@@ -29,8 +29,8 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     Ok(Some(found))
 }
 
-/// The newest list of poses, if it is one for all frames: that of a single image says how the camera was tilted, not
-/// where it was.
+/// The newest list of poses, if it is one for all frames: a single image's gives the tilt of the camera, not its
+/// position.
 fn take_poses(found: &mut FoundRecording, folder: &Path) -> Result<(), RgbdError> {
     let lists = Folder::read(folder)?.files(|name| has_extension(name, &["txt"]));
     let Some(newest) = lists.last() else { return Ok(()) };

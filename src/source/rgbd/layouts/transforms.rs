@@ -20,7 +20,7 @@ use std::path::PathBuf;
 
 pub(super) const LAYOUT: Layout = Layout::new("transforms.json with depth images", find);
 
-/// Units of whole numbers that are a metre, unless the file says otherwise.
+/// Units of whole numbers per metre, unless the file says otherwise.
 const UNITS_PER_METRE: f64 = 1000.0;
 
 /// Returns true if the frames of `transforms.json` in `folder` have depth images.
@@ -130,7 +130,7 @@ fn tidy(units: f64) -> f64 {
     }
 }
 
-/// The lens of `frame`, of its own keys or of those of the file.
+/// The lens of `frame`, from its own keys or from the file's.
 fn lens(file: &Value, frame: &Value) -> Result<Intrinsics, String> {
     let at = |key: &str| {
         let value = frame.get(key).or_else(|| file.get(key))?;

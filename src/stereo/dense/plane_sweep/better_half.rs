@@ -1,6 +1,6 @@
 //! Mean of the better half of the matching costs of each pixel of a line (Kang et al. 2001).
 //!
-//! How it works: costs are kept sorted, the least first, for half of the number of views. The costs of another view
+//! How it works: costs are held sorted, the least first, for half of the number of views. The costs of another view
 //! sink in from the largest on: two operations per position, for all pixels of a line at once, instead of sorting the
 //! few costs of every pixel. A pixel that a view does not show has a cost above all others and is not counted.
 
@@ -11,7 +11,7 @@ use fearless_simd::{Level, dispatch};
 #[derive(Debug)]
 pub(super) struct BetterHalf {
     width: usize,
-    /// The least of each pixel, then the next ones.
+    /// The smallest cost of each pixel, then the next ones.
     sorted: Vec<u8>,
     /// Number of views that show each pixel.
     counts: Vec<u8>,
@@ -19,7 +19,7 @@ pub(super) struct BetterHalf {
 }
 
 impl BetterHalf {
-    /// For lines of `width` pixels and at most so many views.
+    /// For lines of `width` pixels and at most this many views.
     pub(super) fn new(width: usize, views: usize) -> Self {
         Self {
             width,
@@ -59,7 +59,7 @@ impl BetterHalf {
         self.counts.contains(&0)
     }
 
-    /// Writes the means, rounded, and what is in `beyond` where no view shows the pixel.
+    /// Writes the means, rounded, and the value in `beyond` where no view shows the pixel.
     pub(super) fn means(&mut self, beyond: &[u8], means: &mut [u8]) {
         dispatch!(Level::new(), _simd => self.mean(beyond, means));
     }
@@ -88,7 +88,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// By sorting.
+    /// The expected means, by sorting.
     fn expected(costs: &[u8], beyond: u8) -> u8 {
         let mut seen: Vec<u32> = costs
             .iter()

@@ -5,10 +5,10 @@
 //! inverse depth, for so are their pixels in the other views: a pixel p of the view is K₂(R K₁⁻¹ p + t / z) in another
 //! one, which is linear in 1 / z.
 //!
-//! Costs are those of the census of what was laid on a plane; each view is laid once, and shifted from plane to plane
-//! (`turned.rs`). Of the costs of all views that see the place, the mean of the better half counts (`better_half.rs`):
-//! what hides a surface from some views hides it from one side. They are gathered as those of pairs are. It wins over
-//! pairs where many views are near each other, and needs no rectification; a pair takes less time.
+//! Costs come from the census of the images projected onto a plane; each view is projected once, and shifted from plane
+//! to plane (`turned.rs`). Of the costs of all views that see the place, the mean of the better half counts
+//! (`better_half.rs`): an occluder hides a surface from one side. They are gathered as for pairs. It wins over pairs
+//! where many views are near each other, and needs no rectification; a pair takes less time.
 
 mod better_half;
 mod turned;
@@ -33,7 +33,7 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use turned::{Other, Turned};
 
-/// Most planes.
+/// Maximum number of planes.
 const MAX_PLANES: usize = 1024;
 
 /// Lines of a task.
@@ -42,10 +42,10 @@ const LINES: usize = 4;
 /// Steps of progress while costs are worked out.
 const COST_STEPS: usize = 15;
 
-/// Most bytes of all costs, and of all other views.
+/// Maximum bytes of all costs, and of all other views.
 const MAX_BYTES: u64 = 2 << 30;
 
-/// Most other views: more would tell nothing that the nearest do not.
+/// Maximum number of other views: more would add nothing to the nearest.
 const MAX_OTHERS: usize = 64;
 
 /// Planes by which neighbours on one surface differ at most.
@@ -58,19 +58,19 @@ pub struct PlaneSweep {
     pub near: f64,
     /// Depth of the farthest plane.
     pub far: f64,
-    /// Number of planes, which is rounded up to a multiple of 32. Without one, so many that no view shifts by more than
+    /// Number of planes, which is rounded up to a multiple of 32. Without one, enough that no view shifts by more than
     /// a pixel from plane to plane: between finer ones the costs hardly differ.
     pub planes: Option<usize>,
     /// Cost aggregation method.
     pub gathering: Gathering,
-    /// By how much all other planes have to cost more than the one that is taken, in percent.
+    /// Margin by which all other planes have to cost more than the chosen one, in percent.
     pub unique_percent: u16,
     /// Connected areas of fewer pixels are taken out.
     pub min_area_px: usize,
 }
 
 impl PlaneSweep {
-    /// Steps by which progress advances: costs, then what is made of them.
+    /// Steps by which progress advances: costs, then the steps after them.
     pub const STEPS: usize = COST_STEPS + 1;
 
     /// Between two depths.
@@ -98,7 +98,7 @@ impl PlaneSweep {
     /// in all, and may be cancelled.
     ///
     /// # Errors
-    /// Those of [`PlaneSweep::depths`], and [`StereoError::Cancelled`].
+    /// The errors of [`PlaneSweep::depths`], and [`StereoError::Cancelled`].
     pub fn depths_observed(
         &self,
         view: &View<'_>,
@@ -227,7 +227,7 @@ struct LineCosts<'a> {
     half: BetterHalf,
     /// Matching costs of one other view, for one plane.
     costs: Vec<u8>,
-    /// The least cost of each pixel beyond all borders, where no view sees it.
+    /// The smallest cost of each pixel beyond all borders, where no view sees it.
     beyond: Vec<u8>,
     means: Vec<u8>,
 }
@@ -243,7 +243,7 @@ impl<'a> LineCosts<'a> {
         }
     }
 
-    /// Writes the costs of line `y`, pixel by pixel, plane by plane. `bits` are those of its pixels.
+    /// Writes the costs of line `y`, pixel by pixel, plane by plane. `bits` are its pixels'.
     fn fill(&mut self, y: usize, bits: &[u64], planes: &[f32], costs: &mut [u8]) {
         for (plane, &inverse_depth) in planes.iter().enumerate() {
             self.half.clear();

@@ -14,7 +14,7 @@ fn camera() -> Camera {
     Camera::new(SIZE, DVec2::splat(200.0), DVec2::new(81.5, 68.0), Distortion::None).unwrap()
 }
 
-/// Four away from the middle of the sphere, which has radius 1, and turned to it.
+/// Four away from the centre of the sphere, which has radius 1, and turned to it.
 fn poses(count: usize) -> Vec<DAffine3> {
     let pose = |index: usize| {
         let angle = 0.12 * (index as f64 - (count as f64 - 1.0) / 2.0);
@@ -30,7 +30,7 @@ fn poses(count: usize) -> Vec<DAffine3> {
     (0..count).map(pose).collect()
 }
 
-/// The depth of the sphere, and the colour: waves of the place on it, and one colour beside it.
+/// The depth of the sphere, and the colour: waves of the place on it, and one colour next to it.
 fn trace(camera: &Camera, pose: DAffine3, pixel: DVec2) -> Option<(f64, [u8; 3])> {
     let world = pose.inverse();
     let from = world.translation;

@@ -9,8 +9,8 @@
 //!
 //! Positions between pixels are in [`PHASES`] images along each axis. Along the axis on which positions move more,
 //! costs are interpolated from the two adjacent positions; rounded there as well, they would put depths off by a
-//! fourteenth of a plane. The census of a plane other than the central one is that of another scale and slant: for
-//! neighbours within four pixels that is less than planes differ by.
+//! fourteenth of a plane. The census on a plane other than the central one has another scale and slant: for neighbours
+//! within four pixels that is less than the difference between planes.
 
 use crate::stereo::GrayImage;
 use crate::stereo::View;
@@ -37,25 +37,25 @@ pub(super) const UNSEEN_COST: u8 = u8::MAX;
 /// at infinity is used instead.
 const MIN_SCALE: f32 = 0.2;
 
-/// Bits of a step from place to place that are behind the point.
+/// Fractional bits of a step from place to place.
 const FRACTION: u32 = 16;
 
 const ONE: f64 = (1_u64 << FRACTION) as f64;
 
-/// Places and steps beyond are of planes that nobody sees; a line of these fits 64 bits.
+/// Places and steps beyond belong to invisible planes; a line of these fits 64 bits.
 const MAX_PLACES: f32 = 16_777_216.0;
 
 /// Shares of the two places around one.
 // Rounded to a quarter of a pixel instead of interpolated, the median error is 0.75 instead of 0.71 ‰.
 const SHARES: u32 = 16;
 
-/// Another view before its picture is laid.
+/// Another view before its image is projected.
 #[derive(Debug)]
 pub(super) struct Other {
     image: GrayImage,
-    /// From pixels of the first view to those of this one on the plane at infinity.
+    /// From pixels of the first view to this one's on the plane at infinity.
     linear: Mat3,
-    /// Times inverse depth, what is added.
+    /// The summand, times inverse depth.
     offset: Vec3,
 }
 
@@ -257,7 +257,7 @@ impl Turned {
 #[derive(Debug)]
 struct Lines<'a> {
     rows: [&'a [u64]; 2],
-    /// Place of the first pixel, and how far it is to that of the next one, by [`ONE`].
+    /// Place of the first pixel, and the distance to the next one's, by [`ONE`].
     start: i64,
     step: i64,
     /// True if the view contains the line.

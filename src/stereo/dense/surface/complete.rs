@@ -1,9 +1,9 @@
 //! Depths of pixels that stereo has none for, from those around them.
 //!
-//! How it works: inverse depths of a plane are linear in pixels, so these are what is continued. A pixel without a
-//! depth has the mean of its four neighbours, those of its own colour counting most (Levin et al. 2004, *Colorization
-//! using optimization*): depths stop where colours do, which is where surfaces end. The linear system is solved by
-//! over-relaxation, from what a pyramid says (push–pull), so that the far end of a large hole is not late.
+//! How it works: inverse depths of a plane are linear in pixels, so these are continued. A pixel without a depth has
+//! the mean of its four neighbours, those of its own colour counting most (Levin et al. 2004, *Colorization using
+//! optimization*): depths stop where colours do, which is where surfaces end. The linear system is solved by
+//! over-relaxation, from a pyramid's estimate (push–pull), so that the far end of a large hole is not late.
 //!
 //! It wins on walls and floors that show too little for matching, and cannot know of a step in them.
 
@@ -19,8 +19,8 @@ const MIN_SHARE: f32 = 1e-3;
 const ROUNDS: usize = 120;
 const BEYOND: f32 = 1.8;
 
-/// Fills zeros in `inverse`, row by row of `width`, by what is around them in an image of `colors`. Nothing is changed
-/// where nothing is known. Precondition: both have as many pixels.
+/// Fills zeros in `inverse`, row by row of `width`, by their surroundings in an image of `colors`. Nothing is changed
+/// without known values. Precondition: both have the same number of pixels.
 pub(super) fn complete(inverse: &mut [f32], colors: &[[u8; 3]], width: usize) {
     let height = inverse.len() / width.max(1);
     let unknown: Vec<usize> = (0..inverse.len()).filter(|&at| inverse[at] == 0.0).collect();
@@ -65,7 +65,7 @@ pub(super) fn complete(inverse: &mut [f32], colors: &[[u8; 3]], width: usize) {
     }
 }
 
-/// The mean of what is known around each pixel, in as small a square of twos as knows something.
+/// The mean of the known values around each pixel, in the smallest power-of-two square that has any.
 fn pulled(inverse: &[f32], width: usize, height: usize) -> Vec<f32> {
     if width <= 1 && height <= 1 {
         return inverse.to_vec();

@@ -18,7 +18,7 @@ pub(super) struct Map<'a> {
 }
 
 impl Map<'_> {
-    /// Fills in what has no depth, but for pixels that show nothing of the scene.
+    /// Fills in pixels without depth, except those that show nothing of the scene.
     pub(super) fn complete(&mut self, is_scene: &[bool]) {
         let inverse = |&depth: &f32| if depth > 0.0 { depth.recip() } else { 0.0 };
         let mut inverse: Vec<f32> = self.depths.iter().map(inverse).collect();

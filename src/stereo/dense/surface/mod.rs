@@ -3,7 +3,7 @@
 //! Points of a reconstruction are where images have corners: thousands on one poster, none on a wall. Their splats are
 //! as large as their gaps, reach across outlines, and leave the rest of the image empty. So if a set has images with
 //! cameras and no depths, planes are swept before downscaled copies of them ([`PlaneSweep`]). Depths that three views
-//! agree on are kept, unless [others look through them](forget_doubted). Depths that two agree on, those of sparse
+//! agree on are retained, unless [others look through them](forget_doubted). Depths that two agree on, those of sparse
 //! points and those that [other views have measured](carry_over) are added; the rest is [filled in](Map::complete) from
 //! there, and all of it becomes [splats](fuse) of the size of a pixel.
 //!
@@ -66,9 +66,8 @@ struct Small {
     is_scene: Vec<bool>,
 }
 
-/// The surface that `posed_images` of `set` show, relative to `origin`; `None` where they have depths or a cloud
-/// already, and where they do not tell any depth. Says in `progress` how much is done; what it returns after that was
-/// cancelled is of no use.
+/// The surface that `posed_images` of `set` show, relative to `origin`; `None` if they have depths or a cloud already,
+/// or do not yield any depth. Reports to `progress`; its result after cancellation is useless.
 pub fn photo_surface(
     set: &ViewSet,
     posed_images: &PosedImages,
@@ -109,7 +108,7 @@ pub fn photo_surface(
         .collect();
     forget_doubted(&mut maps);
     // With depths of three views only, as for an ordinary cloud: 20.96 dB, 0.67 drawn, instead of 23.09, 0.90 (room).
-    // Depths from two views and those that others carry over are worth 1.2 dB over the whole image.
+    // Depths from two views and those carried over are worth 1.2 dB over the whole image.
     add_pairs(&mut maps, &of_two);
     add_points(set, &mut maps);
     carry_over(&mut maps);
@@ -160,7 +159,7 @@ fn measured(
 }
 
 /// Adds depths of sparse points where there are none. Points are wrong at times: only those count that three images see
-/// at their position, not too much from the same side, and that nobody looks through.
+/// at their position, not too much from the same side, and that no view looks through.
 fn add_points(set: &ViewSet, maps: &mut [Map<'_>]) {
     let mut added = Vec::new();
     for (point, &position) in set.points.positions().iter().enumerate() {

@@ -11,7 +11,7 @@ pub(super) const SAME: f64 = 0.01;
 /// Relative depth difference beyond which something nearer than the measured depth is looked through.
 pub(super) const BEFORE: f64 = 0.02;
 
-/// So many views may look through a place for each that has measured it. Views that agree by chance are few.
+/// Number of views that may look through a place for each that has measured it. Views that agree by chance are few.
 const MAX_AGAINST: f64 = 0.25;
 
 /// Maximum difference of the colour channels of one position in two images.
@@ -19,8 +19,8 @@ const MAX_AGAINST: f64 = 0.25;
 // both.
 const ALIKE: u8 = 8;
 
-/// Forgets what was measured where more views look through it than [`MAX_AGAINST`] of those that have it as well: a
-/// speck in the air, before the eye, is as large as a house.
+/// Discards measurements where more views look through them than [`MAX_AGAINST`] of those that agree: a speck in the
+/// air, before the eye, is as large as a house.
 pub(super) fn forget_doubted(maps: &mut [Map<'_>]) {
     let doubted: Vec<Vec<usize>> = (0..maps.len())
         .into_par_iter()
@@ -62,7 +62,7 @@ pub(super) fn is_looked_through(maps: &[Map<'_>], place: DVec3) -> bool {
     seen.any(|(distance, measured)| distance < measured * (1.0 - BEFORE))
 }
 
-/// Adds depths that two views agree on, where there are none and nobody looks through them: the periphery of a set, or
+/// Adds depths that two views agree on, where there are none and no view looks through them: the periphery of a set, or
 /// the area next to something nearer, is seen by two. They are not trusted over others. Precondition: one image for
 /// each map.
 pub(super) fn add_pairs(maps: &mut [Map<'_>], of_two: &[DepthImage]) {
@@ -83,7 +83,7 @@ pub(super) fn add_pairs(maps: &mut [Map<'_>], of_two: &[DepthImage]) {
     }
 }
 
-/// Takes depths that other views have measured, where there are none: of what this one shows in the same colour the
+/// Takes depths that other views have measured, where there are none: of those in the same colour in this one, the
 /// nearest.
 pub(super) fn carry_over(maps: &mut [Map<'_>]) {
     let carried: Vec<Vec<f32>> = maps.par_iter().map(|map| carried(map, maps)).collect();
@@ -127,7 +127,7 @@ mod tests {
     const PIXELS: usize = 32 * 24;
     const WALL: f32 = 4.0;
 
-    /// The pixel of the middle column and row.
+    /// The pixel of the central column and row.
     const CENTER: usize = 32 * 12 + 16;
 
     fn camera() -> Camera {
@@ -138,7 +138,7 @@ mod tests {
         ColorImage::new(SIZE, vec![color; PIXELS]).unwrap()
     }
 
-    /// Views of a wall, a little beside each other, in their colours.
+    /// Views of a wall, slightly apart, in their colours.
     fn maps<'a>(camera: &'a Camera, images: &'a [ColorImage]) -> Vec<Map<'a>> {
         let map = |(number, image): (usize, &'a ColorImage)| Map {
             view: View {

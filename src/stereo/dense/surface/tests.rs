@@ -1,4 +1,4 @@
-//! A wall with a picture around a square of one colour, seen by six photographs.
+//! A textured wall around a square of one colour, seen by six images.
 
 use super::*;
 use crate::photos::{Photo, PhotoImage, SparsePoints, Texture};
@@ -92,7 +92,7 @@ fn a_wall_untextured_in_its_center_is_complete_and_flat() {
     let places: Vec<Vec3> = surface.points.iter().map(|point| point.position.into()).collect();
     let off = places.iter().filter(|place| (place.z - 1.0).abs() > 0.08).count();
     assert!(off * 50 < places.len(), "{off} of {}", places.len());
-    // Each square of 0.1 within what most images show has a disk: in the uniform square as well.
+    // Each square of 0.1 within the part that most images show has a disk: in the uniform square as well.
     for cell in 0..16 * 12 {
         let center = DVec2::new(0.1 * f64::from(cell % 16) - 0.75, 0.1 * f64::from(cell / 16) - 0.55).as_vec2();
         let is_here = |place: &&Vec3| (place.truncate() - center).abs().max_element() < 0.06;

@@ -1,4 +1,4 @@
-//! From a rectified pair to disparities: costs, their sums, winners, and what is filtered out of them.
+//! From a rectified pair to disparities: costs, their sums, winners, and their filters.
 
 use super::census::CensusPair;
 use super::contrast::remove_even;
@@ -14,7 +14,7 @@ use crate::stereo::StereoError;
 use std::fmt::Debug;
 use std::sync::{Arc, LazyLock};
 
-/// By how much the disparities of neighbours on one surface differ at most.
+/// Maximum difference of the disparities of neighbours on one surface.
 const SPECK_STEP_PX: f32 = 1.0;
 
 /// Cost aggregation method around a pixel.
@@ -35,7 +35,7 @@ pub enum Gathering {
 pub struct Matching {
     /// Cost aggregation method.
     pub gathering: Gathering,
-    /// By how much all other disparities have to cost more than the one that is taken, in percent.
+    /// Margin by which all other disparities have to cost more than the chosen one, in percent.
     pub unique_percent: u16,
     /// Subpixel disparity method.
     pub between: Between,
@@ -104,7 +104,7 @@ impl Matching {
         Ok(self.without_specks(size, median(&labels, size[0])))
     }
 
-    /// The map of filtered disparities, NaN where there is none, less its specks. Precondition: as many as pixels.
+    /// The map of filtered disparities, NaN where there is none, less its specks. Precondition: one per pixel.
     pub(crate) fn without_specks(&self, size: [usize; 2], mut disparities: Vec<f32>) -> DisparityMap {
         remove_specks(&mut disparities, size[0], self.min_area_px, |a, b| {
             (a - b).abs() <= SPECK_STEP_PX
@@ -118,7 +118,7 @@ pub trait PairMatcher: Debug + Send + Sync {
     /// Disparities of the pixels of `left`, as [`Matching::disparities`] has them.
     ///
     /// # Errors
-    /// The same.
+    /// The errors of [`Matching::disparities`].
     fn disparities(
         &self,
         matching: &Matching,
@@ -128,7 +128,7 @@ pub trait PairMatcher: Debug + Send + Sync {
     ) -> Result<DisparityMap, StereoError>;
 }
 
-/// The processor.
+/// The CPU.
 #[derive(Debug, Clone, Copy)]
 pub struct OnProcessor;
 
@@ -144,7 +144,7 @@ impl PairMatcher for OnProcessor {
     }
 }
 
-/// A matcher that many share: the processor, if nobody says another.
+/// A shared matcher: the CPU by default.
 #[derive(Debug, Clone)]
 pub struct SharedMatcher(pub Arc<dyn PairMatcher>);
 

@@ -130,7 +130,7 @@ fn negative_disparities_are_treated_like_others() {
     assert!(median <= 0.1 && most <= 0.15, "{median} {most}");
 }
 
-/// A square 20 px before a wall at 4: what is left of it is seen by the left image alone.
+/// A square 20 px before a wall at 4: the area to its left is seen by the left image alone.
 #[test]
 fn pixels_visible_in_one_image_only_have_no_disparity() {
     let (wall, front) = (Texture::new(1), Texture::new(2));

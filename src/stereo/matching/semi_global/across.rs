@@ -56,7 +56,7 @@ impl Across {
     }
 
     /// Goes on to line `y`, and adds to its sums if they are there. Preconditions: `y` is the line after that of
-    /// [`Self::paths`]; costs and sums are those of all its pixels.
+    /// [`Self::paths`]; costs and sums cover all its pixels.
     pub(super) fn advance(
         &mut self,
         guide: &GrayImage,
@@ -109,7 +109,7 @@ struct Line<'a> {
 }
 
 impl Line<'_> {
-    /// The columns from `from` on, as many as `min` has.
+    /// The columns from `from` on, one per entry of `min`.
     #[inline(always)]
     fn advance<S: Simd, const IS_SUMMED: bool>(
         &self,

@@ -2,14 +2,14 @@
 //!
 //! Hirschmüller (2008, section 2.3): a path gathers the costs of the pixels along it, and a penalty wherever it changes
 //! its label, P1 for a change by one and P2 for more; P2 is less where brightness changes. Sums of eight paths (four
-//! axes, both ways) come near the optimum of the whole image, where no line alone would.
+//! axes, both directions) come near the optimum of the whole image, where no line alone would.
 //!
-//! All sums at once would take two bytes per pixel and label: 640 MB for an image of 1.4 megapixels. Here they are
-//! there for a *band* of lines only, and exact nonetheless. A first pass takes the three paths that lead down through
-//! the image and keeps their costs at the last line of each band. The second goes through the bands from the lowest:
-//! each repeats its paths down from what was kept, and goes on with those that lead up. Paths along lines belong to a
-//! line alone. So three of eight paths are taken twice, and all that is summed stays in the caches. Bands have as many
-//! lines as there are bands, about.
+//! All sums at once would take two bytes per pixel and label: 640 MB for an image of 1.4 megapixels. Here only those of
+//! a *band* of lines are stored, and are exact nonetheless. A first pass takes the three paths that lead down through
+//! the image and stores their costs at the last line of each band. The second goes through the bands from the lowest:
+//! each repeats its paths down from the stored costs, and goes on with those that lead up. Paths along lines belong to
+//! a line alone. So three of eight paths are taken twice, and all sums stay in the caches. A band has about as many
+//! lines as there are bands.
 //!
 //! Threads share lines by columns (paths down and up) or take whole lines (paths along them): sums are integers, so
 //! their order changes nothing.
@@ -32,8 +32,8 @@ use rayon::prelude::*;
 /// Memory limit for the whole matching.
 const MAX_BYTES: u64 = 2 << 30;
 
-/// Sums the costs of eight paths and writes what `winners` makes of the sums of each line (pixel by pixel, label by
-/// label, changed as it likes) to the line of `out`.
+/// Sums the costs of eight paths and writes the result of `winners` for the sums of each line (pixel by pixel, label by
+/// label; it may change them) to the line of `out`.
 ///
 /// # Errors
 /// [`StereoError::NoPenalties`], [`StereoError::TooLarge`].

@@ -12,7 +12,7 @@ pub struct Penalties {
     pub p2: u8,
     /// For a larger step where brightness changes most.
     pub p2_min: u8,
-    /// The change of brightness from pixel to pixel at which P2 is half way down.
+    /// The change of brightness from pixel to pixel at which P2 is halfway down.
     pub half_change: u8,
 }
 
@@ -29,7 +29,7 @@ impl Default for Penalties {
     }
 }
 
-/// A path's cost is at most that of a pixel and P2; with P1 added it has to stay a byte.
+/// A path's cost is at most a pixel's plus P2; with P1 added it has to stay a byte.
 const MAX: u8 = u8::MAX - MAX_COST;
 
 /// P2 of each change of brightness.

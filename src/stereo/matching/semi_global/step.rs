@@ -1,12 +1,12 @@
 //! A step of paths from pixel to pixel, 32 disparities at a time.
 //!
-//! Where paths come together, all that is stored of one is its costs less their smallest before, which fit a byte:
-//! Lᵣ(p, d) = C(p, d) + min(Lᵣ(q, d), Lᵣ(q, d ± 1) + P1, min Lᵣ(q, ·) + P2) − min Lᵣ(q, ·) ≤ 62 + P2.
+//! Of each path, only its costs less their previous minimum are stored, which fit a byte: Lᵣ(p, d) = C(p, d) +
+//! min(Lᵣ(q, d), Lᵣ(q, d ± 1) + P1, min Lᵣ(q, ·) + P2) − min Lᵣ(q, ·) ≤ 62 + P2.
 
 use crate::stereo::matching::costs::LANES;
 use fearless_simd::{Simd, SimdBase, SimdInt, u8x32, u16x16};
 
-/// Costs of a path at one pixel are kept between two that are never chosen.
+/// Costs of a path at one pixel are stored between two that are never chosen.
 pub(super) const BORDERS: usize = 2;
 
 /// State of a path at the previous pixel.
@@ -20,7 +20,8 @@ pub(super) struct Before<'a> {
 }
 
 /// Takes `N` paths that meet at a pixel one step on, and adds them to `sums` if `IS_SUMMED`. Returns the smallest cost
-/// of each. Preconditions: `pixel` has a multiple of 32 costs, `sums` as many if they are wanted, all others two more.
+/// of each. Preconditions: `pixel` has a multiple of 32 costs, `sums` the same number if they are wanted, all others
+/// two more.
 #[inline(always)]
 pub(super) fn step<S: Simd, const N: usize, const IS_SUMMED: bool>(
     simd: S,

@@ -3,10 +3,11 @@
 //! Fusiello et al. (2000): both get one orientation. Its x axis is the line from the first camera centre to the second;
 //! its y axis is at right angles to that and to the viewing direction (the mean of both here, so that neither is
 //! rotated more than the other); z follows. A rotation of a pinhole is a homography of its image. So a pair one above
-//! the other becomes one side by side, rotated by 90°, and disparities are above 0 for whatever is in front of both.
+//! the other becomes one side by side, rotated by 90°, and disparities are above 0 for everything in front of both.
 //!
-//! Each image keeps a principal point of its own along x, so that both are filled by what they show. Along y only what
-//! both show is kept. Columns differ by a constant then, which the mapping to positions accounts for ([`Places`]).
+//! Each image keeps a principal point of its own along x, so that both are filled by their content. Along y only the
+//! common part is retained. Columns differ by a constant then, which the mapping to positions accounts for
+//! ([`Places`]).
 
 use super::view::{check_pinhole, pixels_from_rays, through};
 use crate::photos::center_of;
@@ -28,7 +29,7 @@ const MIN_COSINE: f64 = 0.342;
 pub struct Rectified {
     cameras: [Camera; 2],
     camera_from_world: [DAffine3; 2],
-    /// Homographies from pixels of the input images to those of the rectified images.
+    /// Homographies from pixels of the input images to pixels of the rectified images.
     homographies: [DMat3; 2],
     /// And back.
     inverses: [DMat3; 2],
@@ -105,7 +106,7 @@ impl Rectified {
         &self.camera_from_world
     }
 
-    /// Returns the homographies from pixels of the input images to those of the rectified images.
+    /// Returns the homographies from pixels of the input images to pixels of the rectified images.
     pub fn rectified_from_pixels(&self) -> &[DMat3; 2] {
         &self.homographies
     }
@@ -209,7 +210,7 @@ fn common_rotation(places: [DVec3; 2], poses: [DAffine3; 2]) -> Result<DMat3, St
     Ok(DMat3::from_cols(x, y, z).transpose())
 }
 
-/// Least and largest pixel that the image reaches to.
+/// Smallest and largest pixel that the image reaches.
 fn reach(homography: &DMat3, camera: &Camera) -> Result<[DVec2; 2], StereoError> {
     let [width, height] = camera.size_px().map(|side| f64::from(side) - 1.0);
     let mut min = DVec2::INFINITY;

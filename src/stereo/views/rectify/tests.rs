@@ -84,7 +84,7 @@ proptest! {
             prop_assert!(found.distance(expected) <= 1e-9 * scale, "{found} and {expected}");
             prop_assert!(found.distance(point) <= 1e-8 * scale, "{found} and {point}");
         }
-        // Farther points have smaller disparities, down to that of infinity.
+        // Farther points have smaller disparities, down to infinity's.
         let infinite = rectified.cameras()[0].principal_px().x - rectified.cameras()[1].principal_px().x;
         prop_assert_eq!(places.point(DVec2::new(100.0, 100.0), infinite - 0.5), None);
     }
@@ -98,7 +98,7 @@ fn wall(point: DVec3) -> [u8; 3] {
     [level, level, 255 - level]
 }
 
-/// What a camera sees of the plane n · x = 3.
+/// A camera's image of the plane n · x = 3.
 fn posed_image(camera: &Camera, pose: DAffine3, normal: DVec3) -> ColorImage {
     let [width, height] = camera.size_px();
     let from = center_of(pose);

@@ -1,4 +1,4 @@
-//! The bar: what is in memory and what failed, the range that plays, the playhead.
+//! The bar: frames in memory and failed ones, the play range, the playhead.
 
 use super::cells::Cells;
 use super::context::TimelineContext;
@@ -59,7 +59,7 @@ pub(super) fn scrub_bar(ui: &mut Ui, context: &mut TimelineContext<'_>) -> Optio
     hovered
 }
 
-/// The playhead follows the pointer; playing goes on when it is let go.
+/// The playhead follows the pointer; playing continues when it is released.
 fn scrub(context: &mut TimelineContext<'_>, response: &Response, frame: Option<usize>) {
     let (Some(frame), Some(player)) = (frame, context.player.as_deref_mut()) else {
         return;
@@ -76,7 +76,7 @@ fn scrub(context: &mut TimelineContext<'_>, response: &Response, frame: Option<u
     }
 }
 
-/// The wheel shows fewer frames around the pointer, or more; sideways it goes on.
+/// The wheel shows fewer frames around the pointer, or more; sideways it scrolls.
 fn turn_wheel(ui: &Ui, response: &Response, visible: &mut VisibleFrames, count: usize) {
     let Some(pointer) = response.hover_pos().filter(|_| response.hovered()) else {
         return;
@@ -153,8 +153,8 @@ pub(super) fn frame_tooltip(
     });
 }
 
-/// The number in the name of a frame, where it is another one than that of its place. A frame that is alone has none:
-/// its name has it already.
+/// The number in the name of a frame, where it differs from its position. A single frame has none: its name has it
+/// already.
 pub(super) fn own_number(sequence: &Sequence, frame: usize) -> Option<u64> {
     let number = sequence.entry(frame).number.filter(|_| sequence.len() > 1)?;
     (number != frame as u64 + 1).then_some(number)

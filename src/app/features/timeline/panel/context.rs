@@ -21,7 +21,7 @@ pub(in crate::app) struct TimelineContext<'a> {
 /// Request of the timeline to the window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::app) enum TimelineRequest {
-    /// Do what keys and menus do as well.
+    /// Run a command, as keys and menus do.
     Run(Command),
     /// The marks are other ones: keep them.
     Keep,

@@ -11,7 +11,7 @@ const HALF_WIDTH: f32 = 5.0;
 /// More notches than this are painted, but tell nothing.
 const MAX_TOLD: usize = 500;
 
-/// Notches of the gaps that are shown, each with what is missing.
+/// Notches of the visible gaps, each with its missing numbers.
 pub(super) fn gaps_ui(ui: &Ui, context: &mut TimelineContext<'_>) {
     let Some(player) = context.player.as_deref() else {
         return;

@@ -30,7 +30,7 @@ pub(super) fn legend_ui(ui: &mut Ui) {
     menu.response.on_hover_text("Legend of the bar");
 }
 
-/// As what is outside of in and out point.
+/// The colour of frames outside of in and out point.
 fn dim(color: Color32) -> Color32 {
     color.lerp_to_gamma(Color32::BLACK, 150.0 / 255.0)
 }

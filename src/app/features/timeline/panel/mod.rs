@@ -1,4 +1,4 @@
-//! The timeline: thumbnails, markers, a bar to scrub on, with what is in memory and what failed, a curve, and the
+//! The timeline: thumbnails, markers, a bar to scrub on, with frames in memory and failed ones, a curve, and the
 //! transport under them.
 
 mod bar;

@@ -1,4 +1,4 @@
-//! In and out point on the bar: what does not play is dark, and both lines are dragged.
+//! In and out point on the bar: the part outside of them is dark, and both lines can be dragged.
 
 use super::cells::Cells;
 use super::context::TimelineContext;
@@ -6,7 +6,7 @@ use crate::app::theme::ACCENT;
 use crate::timeline::PlayRange;
 use egui::{Color32, CursorIcon, Rect, Sense, Stroke, Ui, WidgetInfo, pos2};
 
-/// Half the width of what takes hold of a line, points.
+/// Half the width of a line's grab area, points.
 const GRAB: f32 = 5.0;
 
 /// Size of the grip at the head of a line, points.
@@ -61,7 +61,7 @@ pub(super) fn range_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) -> bool {
     is_let_go
 }
 
-/// Paints the play range: what does not play is dark, with a line at either point.
+/// Paints the play range: the part outside is dark, with a line at either point.
 fn paint(ui: &Ui, cells: &Cells, range: PlayRange, count: usize) {
     let rect = cells.rect;
     let painter = ui.painter_at(rect.expand(4.0));

@@ -9,11 +9,11 @@ use egui::{Color32, Painter, Rect, Role, Sense, Stroke, StrokeKind, TextureId, U
 /// Height of the strip, points.
 const HEIGHT: f32 = 45.0;
 
-/// A picture as wide as the strip's height makes it, and what is between two, points.
+/// Width of a thumbnail at the strip's height, plus the space between two, points.
 const CELL_WIDTH: f32 = HEIGHT * PICTURE_PX[0] as f32 / PICTURE_PX[1] as f32 + 2.0;
 
-/// As many small pictures as fit, each of the frame at its place; a click goes there. Returns the frame whose tooltip
-/// is shown.
+/// Shows the thumbnails that fit, each of the frame at its position; a click goes there. Returns the frame whose
+/// tooltip is shown.
 pub(super) fn strip_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) -> Option<usize> {
     let player = context.player.as_deref().filter(|_| context.thumbnails.is_on)?;
     let count = player.sequence().len();
@@ -85,7 +85,7 @@ fn paint(ui: &Ui, cell: Rect, look: ThumbnailState) {
     }
 }
 
-/// All of the height, and of the width what there is room for.
+/// Paints the full height, cropped to the available width.
 fn paint_picture(painter: &Painter, rect: Rect, texture: TextureId) {
     let share = rect.width() / (CELL_WIDTH - 2.0);
     let uv = Rect::from_min_max(pos2(0.5 - 0.5 * share, 0.0), pos2(0.5 + 0.5 * share, 1.0));

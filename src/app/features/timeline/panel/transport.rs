@@ -16,10 +16,10 @@ use std::time::Duration;
 /// A window that is narrower has the row in two parts, points.
 const ONE_ROW_WIDTH: f32 = 860.0;
 
-/// Room from which on the name of the file is worth showing, points.
+/// Minimum width at which the name of the file is shown, points.
 const MIN_NAME_WIDTH: f32 = 60.0;
 
-/// A window that is lower has no row for the pace, points.
+/// Min height of a window with a row for the speed, points.
 const MIN_PACE_HEIGHT: f32 = 280.0;
 
 /// A row that is narrower has one button, points.
@@ -137,7 +137,7 @@ fn icon_button(ui: &mut Ui, icon: Icon, text: &str, command: Command, enabled: b
     response.on_hover_text(format!("{text} ({})", keys_of(command)))
 }
 
-/// Returns true if there is nothing to play: a single frame that stays the only one.
+/// Returns true if nothing can be played: a single frame that stays the only one.
 pub(super) fn is_still(player: &Player) -> bool {
     player.sequence().len() == 1 && !player.sequence().source().may_grow()
 }
@@ -296,7 +296,7 @@ fn loop_name(mode: LoopMode) -> &'static str {
     }
 }
 
-/// Gives a control without a text of its own a name for screen readers and tests.
+/// Gives a control without text a name for screen readers and tests.
 fn named(response: Response, name: &str) -> Response {
     response
         .ctx

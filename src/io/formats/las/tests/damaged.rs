@@ -4,7 +4,7 @@ use super::*;
 use laz::{LazVlrBuilder, ParLasZipCompressor};
 use std::time::{Duration, Instant};
 
-/// The same cloud in the older compression, which has one stream of bytes for all fields.
+/// Writes the cloud in the older compression, with one stream of bytes for all fields.
 fn older(chunk_points: u32) -> Vec<u8> {
     const POINT_BYTES: u16 = 28;
     let compression = LazVlrBuilder::default().with_point_format(1, 0).unwrap();
@@ -37,7 +37,7 @@ fn files() -> [(&'static str, Vec<u8>); 4] {
     ]
 }
 
-/// Reads what may be damaged. Precondition: the limit of memory is far above what the whole file needs.
+/// Reads a possibly damaged file. Precondition: the limit of memory is far above the needs of the whole file.
 fn try_read(what: &str, bytes: &[u8]) -> Option<RawCloud> {
     const LONGEST: Duration = Duration::from_secs(5);
     let start = Instant::now();
@@ -65,7 +65,7 @@ fn truncated_files_are_rejected_or_complete() {
             let Some(cloud) = try_read(what, &file[..length]) else {
                 continue;
             };
-            // Whatever follows the points may be missing: tables are reconstructed from the chunks.
+            // Data after the points may be missing: tables are reconstructed from the chunks.
             assert_ne!(what, "plain", "{length} of {}", file.len());
             let mut found: Vec<_> = (0..whole.len()).map(|i| cloud.positions.get(i).x).collect();
             let mut expected: Vec<_> = (0..whole.len()).map(|i| whole.get(i).x).collect();
@@ -79,7 +79,7 @@ fn truncated_files_are_rejected_or_complete() {
 #[test]
 fn changed_bytes_never_panic() {
     for (what, file) in files() {
-        // Small changes matter where numbers describe what follows.
+        // Small changes matter in numbers that describe the following data.
         let points_start = u32::from_le_bytes(take(&file, POINTS_AT)) as usize;
         for at in 0..file.len() {
             let changes: &[u8] = if at < points_start { &[0x01, 0xff] } else { &[0xff] };

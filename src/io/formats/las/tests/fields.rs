@@ -1,4 +1,5 @@
-//! Fields that are unpacked here, beside the crate that packs them, and bytes at which the crate overflows the stack.
+//! Fields that are unpacked here, compared with the crate that packs them, and bytes at which the crate overflows the
+//! stack.
 
 use super::super::fields::unpack;
 use super::*;
@@ -72,7 +73,7 @@ fn unpacked_by_crate(items: &Vec<LazItem>, packed: &[u8], rows: &mut [u8]) {
     }
 }
 
-/// A point without what is passed over in layers: most flags, user data, angle and source.
+/// A point without the data skipped in layers: most flags, user data, angle and source.
 fn without_passed_over(items: &[LazItem], row: &[u8]) -> Vec<u8> {
     let mut row = row.to_vec();
     if is_layered(items) {
@@ -82,12 +83,12 @@ fn without_passed_over(items: &[LazItem], row: &[u8]) -> Vec<u8> {
     row
 }
 
-/// How the time of a point follows.
+/// Relation of a point's time to the previous ones.
 #[derive(Debug, Clone)]
 enum Time {
     Same,
     Steps(i64),
-    /// That of a line of flight, and further.
+    /// The time of a flight line, advanced.
     Line(usize, i64),
     Bits(i64),
 }
@@ -116,8 +117,7 @@ fn points() -> impl Strategy<Value = Vec<Next>> {
     prop::collection::vec((time(), channel, prop::bool::weighted(0.2), any::<u64>()), 1..400)
 }
 
-/// Bits of times of which no two are further apart than 64 bits can say: the crate packs others only where overflow is
-/// no error.
+/// Bits of times whose differences fit 64 bits: the crate packs others only where overflow is not an error.
 fn ranges() -> impl Strategy<Value = (i64, i64)> {
     prop::sample::select(vec![(0, i64::MAX), (i64::MIN, -1), (-(1 << 62), (1 << 62) - 1)])
 }
@@ -229,11 +229,11 @@ impl<W: Write> FieldCompressor<W> for Changing {
 
 const FIRST_TIME: i64 = 77;
 
-/// Where the size of the layer of times is, the last of nine: behind the first point, the count and the other sizes.
+/// Position of the size of the layer of times, the last of nine: after the first point, the count and the other sizes.
 const LAST_SIZE: usize = 34 + 4 * 8;
 
-/// Chunks of two points, the second of which has a time that changes so often, with their fields, format and place of
-/// the time.
+/// Chunks of two points, where the second one's time changes sequence `changes` times, with their fields, format and
+/// position of the time.
 fn changing(changes: usize) -> [(Vec<LazItem>, u8, usize, Vec<u8>); 2] {
     let mut rows = vec![0; 56];
     rows[20..28].copy_from_slice(&FIRST_TIME.to_le_bytes());

@@ -1,4 +1,4 @@
-//! Where the fields of each point format are.
+//! Positions of the fields of each point format.
 
 use super::*;
 use laz::{LazVlrBuilder, ParLasZipCompressor};
@@ -85,7 +85,7 @@ fn every_format_has_its_fields_at_the_standard_offsets() {
     }
 }
 
-/// The same file compressed, wave packets (formats 4, 5, 9 and 10) included.
+/// Compressed files equal the uncompressed ones, including waveform data (formats 4, 5, 9 and 10).
 #[test]
 fn every_format_is_unpacked() {
     const COUNT: usize = 300;
@@ -166,7 +166,7 @@ fn either_point_count_of_version_1_4_is_used() {
     assert_eq!((unfinished.positions.len(), unfinished.warnings.len()), (1, 1));
     file[107..111].copy_from_slice(&1u32.to_le_bytes());
     assert_eq!(read(&file).positions.len(), 1);
-    // Before 1.4 there is no second count, whatever bytes are in its place.
+    // Before 1.4 there is only one count, whatever bytes are in the place of the other.
     file[COUNT_AT..COUNT_AT + 8].copy_from_slice(&u64::MAX.to_le_bytes());
     file[25] = 2;
     assert_eq!(read(&file).positions.len(), 1);

@@ -6,12 +6,12 @@ use laz::{LazVlrBuilder, ParLasZipCompressor};
 /// Points of the voxels by level: of the root, of two children, of one grandchild.
 const VOXELS: [(i32, usize); 4] = [(0, 5), (2, 40), (1, 10), (1, 20)];
 
-/// Where the entries of the root page begin in [`octree`].
+/// Position of the entries of the root page in [`octree`].
 fn root_start(file: &[u8]) -> usize {
     u64::from_le_bytes(take(file, 375 + 54 + 40)) as usize
 }
 
-/// A file whose voxels are in another order than their levels, with a second page for the last two.
+/// A file whose voxels are in another order than their levels, with another page for the last two.
 pub(super) fn octree() -> Vec<u8> {
     const POINT_BYTES: u16 = 30;
     const ENTRY_BYTES: usize = 32;

@@ -1,4 +1,4 @@
-//! What is written is read back.
+//! Round trips of written files.
 
 use super::*;
 use proptest::prelude::*;

@@ -1,7 +1,7 @@
 //! Lines of cells in columns, parsed on all cores.
 //!
-//! The text is cut into blocks at line ends, each block is parsed by itself, and the blocks are put together in order:
-//! the result, and the line that an error names, are the same for any number of threads.
+//! The text is cut into blocks at line ends, each block is parsed separately, and the blocks are joined in order: the
+//! result, and the line that an error names, are the same for any number of threads.
 
 use super::dialect::{Cell, Dialect, comment, hex_color, is_title, seconds_of};
 use crate::io::columns::numbers::quoted;
@@ -110,7 +110,7 @@ impl<'a> Cells<'a> {
         }
     }
 
-    /// The word in the next cell, without quotes; empty where there is nothing in it.
+    /// The word in the next cell, without quotes; empty for an empty cell.
     pub(super) fn word(&mut self) -> Option<&'a [u8]> {
         self.start()?;
         let rest = &self.line[self.at..];
@@ -159,11 +159,11 @@ pub(in crate::io) struct Lone {
     pub(in crate::io) value: f64,
 }
 
-/// The first of the things that are wrong, and their number.
+/// The first fault, and the number of faults.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(in crate::io) struct Odd {
     pub(in crate::io) count: usize,
-    /// Its line and what is wrong with it.
+    /// Its line and its fault.
     pub(in crate::io) first: Option<(usize, String)>,
 }
 
@@ -208,7 +208,7 @@ pub(in crate::io) struct ParsedRows {
     /// Words where numbers are expected: they are missing.
     pub(super) odd_cells: Odd,
     pub(super) breaks: Vec<Break>,
-    /// Sorted words of the columns of text, up to [`MAX_WORDS`] and one more; what their cells hold are indices.
+    /// Sorted words of the columns of text, up to [`MAX_WORDS`] and one more; their cells hold indices.
     pub(super) words: Vec<Vec<String>>,
 }
 

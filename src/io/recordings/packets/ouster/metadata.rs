@@ -1,8 +1,8 @@
-//! The metadata of an Ouster sensor: a JSON companion file of the capture, which packets cannot be read without.
+//! The metadata of an Ouster sensor: a JSON companion file of the capture, required to read its packets.
 //!
-//! Generations of it differ in their structure. Those of firmware 1 and 2.0 are one flat object with `data_format` in
-//! it; later ones have sections (`sensor_info`, `beam_intrinsics`, `lidar_intrinsics`, `lidar_data_format`,
-//! `config_params`). Each name is looked for in its section, then at the root, so that mixtures of both are read too.
+//! Generations of it differ in their structure. Firmware 1 and 2.0 write one flat object with `data_format` in it;
+//! later ones have sections (`sensor_info`, `beam_intrinsics`, `lidar_intrinsics`, `lidar_data_format`,
+//! `config_params`). Each name is searched in its section, then at the root, so that mixtures of both are read too.
 //!
 //! Ouster firmware user manual, "Sensor metadata"; missing entries default to the properties of sensors from before the
 //! entries existed.
@@ -12,10 +12,10 @@ use crate::io::error::Fault;
 use glam::{DMat4, DVec3};
 use serde_json::Value;
 
-/// Angles of 128 beams and the shifts of as many pixels are some kilobytes.
+/// Angles of 128 beams and 128 pixel shifts take some kilobytes.
 pub(super) const MAX_BYTES: u64 = 4 << 20;
 
-/// Beams of a sensor, columns of a turn and of a packet, at most: twice those of any that there is.
+/// Max beams of a sensor, columns of a revolution and of a packet: twice those of any existing one.
 const MAX_BEAMS: u64 = 256;
 const MAX_COLUMNS: u64 = 8192;
 const MAX_PACKET_COLUMNS: u64 = 64;
@@ -32,7 +32,7 @@ pub(super) struct Metadata {
     /// The port that its packets are sent to.
     pub(super) port: Option<u16>,
     pub(super) serial: Option<u64>,
-    /// Columns of a turn.
+    /// Columns of a revolution.
     pub(super) columns: usize,
     /// Altitude angle of each beam, degrees.
     pub(super) altitudes_deg: Vec<f64>,
@@ -51,7 +51,7 @@ pub(super) fn is_metadata(text: &str) -> bool {
 /// The metadata in `text`.
 ///
 /// # Errors
-/// What is wrong with it.
+/// Its fault.
 pub(super) fn parse(text: &str) -> Result<Metadata, Fault> {
     let root: Value = serde_json::from_str(text).map_err(|error| {
         Fault::header(format!(

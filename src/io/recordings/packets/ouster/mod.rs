@@ -39,7 +39,7 @@ struct Beam {
     ring: u16,
 }
 
-/// Makes points of the packets of a turn, in any order.
+/// Decodes the packets of a revolution into points, in any order.
 #[derive(Debug)]
 struct Unpacking<'a> {
     scanner: &'a Scanner,
@@ -86,7 +86,7 @@ impl<'a> Unpacking<'a> {
         }
     }
 
-    /// Appends the points of a packet, of as much of it as is of the turn. Nothing where it is no packet of the sensor.
+    /// Appends the points of the part of a packet in the revolution. Ignores packets of other senders.
     fn packet(&mut self, packet: &[u8], points: &mut Points) {
         let shape = self.scanner.metadata.shape;
         if packet.len() != shape.packet_bytes() {

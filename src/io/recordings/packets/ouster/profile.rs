@@ -1,8 +1,8 @@
-//! The packets of Ouster: columns of pixels, laid out as the profile in the metadata says.
+//! The packets of Ouster: columns of pixels, laid out by the profile in the metadata.
 //!
 //! Ouster firmware user manual, "Lidar data packet format". All numbers are little endian. In the first profile each
-//! column says of itself which frame it is of and whether it is whole; in the others the packet says the former. A
-//! profile is a row of [`PROFILES`]: where in a pixel the numbers of each echo are.
+//! column has its frame number and a flag if it is complete; in the others the packet has the former. A profile is a
+//! row of [`PROFILES`]: the positions of each echo's numbers in a pixel.
 
 use super::super::part::FrameId;
 use super::super::points::MAX_VALUES;
@@ -36,7 +36,7 @@ const fn coarse_light(at: usize) -> Bits {
 }
 
 impl Bits {
-    /// The number in `pixel`, of which missing bytes are zero.
+    /// The number in `pixel`; missing bytes are zero.
     fn of(self, pixel: &[u8]) -> u32 {
         let bytes = pixel.iter().skip(self.at / 8).take(8).enumerate();
         let word = bytes.fold(0, |word, (index, &byte)| word | u64::from(byte) << (8 * index));
@@ -66,7 +66,7 @@ pub(super) struct Profile {
     second: Option<EchoBits>,
 }
 
-/// The profile of firmware before 2.3, whose columns have a header and a footer of their own.
+/// The profile of firmware before 2.3, whose columns have their own header and footer.
 pub(super) static LEGACY: &Profile = &PROFILES[0];
 
 const FULL: &[&str] = &["intensity", "reflectivity", "near_ir"];
@@ -262,7 +262,7 @@ impl Profile {
         }
     }
 
-    /// The echoes of a pixel, which has as many bytes as one of the profile.
+    /// The echoes of a pixel, which has the size of the profile's pixels.
     pub(super) fn echoes(&self, pixel: &[u8]) -> [Option<Echo>; 2] {
         let echo = |at: &EchoBits| {
             let mut values = [0.0; MAX_VALUES];

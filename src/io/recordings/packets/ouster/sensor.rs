@@ -30,7 +30,7 @@ pub(in super::super) const MAKER: Maker = Maker {
     },
 };
 
-/// Larger than what else is sent between sensors and those who listen.
+/// Larger than any other packets between sensors and clients.
 const MIN_BYTES: usize = 1024;
 
 struct OfOuster {
@@ -76,7 +76,7 @@ impl Sidecar {
         Some((nearest, rank(&nearest).0))
     }
 
-    /// Describes the metadata that is present instead of that of a sensor, as the end of a sentence.
+    /// Describes the present metadata, where a sensor's is missing, as the end of a sentence.
     fn others(&self) -> String {
         match (self.problems.first(), self.metadata.as_slice()) {
             (Some(problem), _) => format!("; {problem}"),
@@ -139,7 +139,7 @@ impl Recogniser for OfOuster {
     }
 }
 
-/// A head that turns, or one that numbers its frames without turning.
+/// A rotating head, or one that numbers its frames without rotating.
 struct Head {
     shape: PacketShape,
     /// Measurements of a revolution.

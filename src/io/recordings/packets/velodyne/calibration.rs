@@ -1,9 +1,9 @@
 //! The calibration of an HDL-64E: each sensor has its own, in the `db.xml` that comes with it.
 //!
-//! **The file** is what the serialisation of boost makes of the maker's own program: in `points_`, a `px` a laser with
-//! angles in degrees and lengths in centimetres. **The geometry** is that of the HDL-64E S2 manual, appendix F: the
-//! distance is corrected by a number measured at 25.04 m and, nearer than that, by one that is interpolated to what was
-//! measured at 2.4 m along X, and another for Y at 1.93 m.
+//! **The file** is a boost serialisation of the maker's own program: in `points_`, one `px` per laser with angles in
+//! degrees and lengths in centimetres. **The geometry** follows the HDL-64E S2 manual, appendix F: the distance is
+//! corrected by a number measured at 25.04 m and, nearer than that, by one interpolated to the measurement at 2.4 m
+//! along X, and another for Y at 1.93 m.
 
 use super::packet::SHOTS;
 use crate::io::error::{Fault, mebibytes};
@@ -23,7 +23,7 @@ const FAR_M: f64 = 25.04;
 const NEAR_X_M: f64 = 2.4;
 const NEAR_Y_M: f64 = 1.93;
 
-/// Beyond it the correction of [`FAR_M`] is that of all distances.
+/// Beyond it the correction of [`FAR_M`] applies to all distances.
 const NO_NEARER_M: f64 = 25.0;
 
 /// Calibration values of a laser.
@@ -55,7 +55,7 @@ pub(super) fn is_calibration(text: &str) -> bool {
 /// The calibration in `text`.
 ///
 /// # Errors
-/// What is wrong with it.
+/// Its fault.
 pub(super) fn parse(text: &str) -> Result<Calibration, Fault> {
     if text.len() as u64 > MAX_BYTES {
         return Err(Fault::header(format!(

@@ -1,9 +1,9 @@
 //! Velodyne LiDAR sensors: decoding of data packets into points.
 //!
 //! **How it works.** A packet has blocks of 32 measurements and an azimuth each. Blocks that all lasers fire in once
-//! are a *cycle*; if two echoes are reported, the cycle has its blocks twice. The head turns on between the shots of a
-//! cycle, so each shot has its own azimuth, between that of its cycle and that of the next one, by the time at which it
-//! is fired (VLP-16 user manual §9.5, VLS-128 manual "Precision azimuth calculation").
+//! are a *cycle*; if two echoes are reported, the cycle has its blocks twice. The head rotates between the shots of a
+//! cycle, so each shot has its own azimuth, interpolated between its cycle and the next one by its firing time (VLP-16
+//! user manual §9.5, VLS-128 manual "Precision azimuth calculation").
 //!
 //! **Positions** are in the frame of the manuals: Z is up, Y is azimuth 0, X is azimuth 90 degrees, which is clockwise
 //! from above:
@@ -28,7 +28,7 @@ use std::ops::Range;
 /// Names of the per-point attributes other than the position.
 const NAMES: &[&str] = &["intensity"];
 
-/// The azimuth grows by less between cycles, at 20 turns a second and with two echoes; more is a gap.
+/// The azimuth grows by less between cycles, at 20 revolutions per second and with two echoes; more is a gap.
 const MAX_STEP: i32 = 200;
 
 /// Times of packets count from the hour.
@@ -102,7 +102,7 @@ fn cycles(model: Model, packet: DataPacket<'_>) -> (usize, usize) {
     (blocks, BLOCKS / blocks)
 }
 
-/// Finds where turns begin, packet by packet.
+/// Finds the starts of revolutions, packet by packet.
 #[derive(Debug)]
 struct Turning {
     model: Model,
@@ -133,7 +133,7 @@ impl Turning {
         blocks.filter(|block| block.bank.is_some()).map(|block| block.azimuth)
     }
 
-    /// The cycle of `packet` at which a turn begins; `None` where it goes on, 0 for the first packet.
+    /// The cycle of `packet` at which a revolution begins; `None` where it continues, 0 for the first packet.
     fn begins_at(&mut self, packet: DataPacket<'_>) -> Option<u8> {
         let (blocks, count) = cycles(self.model, packet);
         let mut found = None;
@@ -149,7 +149,7 @@ impl Turning {
     }
 }
 
-/// Makes points of the packets of a turn, one after the other.
+/// Decodes the packets of a revolution into points, one after the other.
 #[derive(Debug)]
 struct Unpacking<'a> {
     scanner: &'a Scanner,

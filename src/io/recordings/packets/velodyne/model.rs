@@ -1,8 +1,9 @@
-//! The models of Velodyne: where their lasers look, and when each of them fires.
+//! The models of Velodyne: directions and firing times of their lasers.
 //!
-//! Angles are those of the manuals, in the order of the packets: VLP-16 and Puck Hi-Res 63-9243 table 9-1 with their
+//! Angles are from the manuals, in the order of the packets: VLP-16 and Puck Hi-Res 63-9243 table 9-1 with their
 //! vertical corrections, HDL-32E 63-9113 appendix, VLP-32C 63-9325 table 9-3, VLS-128 63-9483 appendix. Times of shots
-//! are of the same manuals, "Precision azimuth calculation". Where beams meet is in the drawings of the sensors.
+//! are from the same manuals, "Precision azimuth calculation". The intersection of beams is in the drawings of the
+//! sensors.
 
 use super::packet::{DataPacket, SHOTS};
 use super::tables;
@@ -14,7 +15,7 @@ pub(super) struct Laser {
     pub(super) elevation_deg: f64,
     /// To be added to the azimuth of the head.
     pub(super) azimuth_deg: f64,
-    /// To be added to the height of what it hits.
+    /// To be added to the height of its hits.
     pub(super) height_m: f64,
 }
 

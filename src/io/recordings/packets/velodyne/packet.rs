@@ -37,7 +37,7 @@ pub(super) struct Block<'a> {
 pub(super) struct Shot {
     /// In units of the model; 0 where nothing came back.
     pub(super) distance: u16,
-    /// Calibrated: to 100 of what scatters, above of what reflects.
+    /// Calibrated: up to 100 for diffuse reflectors, above for retroreflectors.
     pub(super) reflectivity: u8,
 }
 

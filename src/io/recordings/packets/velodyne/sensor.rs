@@ -1,4 +1,4 @@
-//! Sensors of Velodyne: which packets are theirs, and where their turns begin.
+//! Sensors of Velodyne: recognition of their packets, and the starts of their revolutions.
 
 use super::calibration::{Calibration, MAX_BYTES, is_calibration, parse};
 use super::model::Model;
@@ -31,7 +31,7 @@ impl OfVelodyne {
     /// The calibration of an HDL-64E.
     ///
     /// # Errors
-    /// Where it is expected, or what is wrong with the one that is there.
+    /// Its expected location, or the fault of the present one.
     fn calibration(&self) -> Result<Calibration, String> {
         let mut texts = self.0.texts("xml", MAX_BYTES);
         if let Some((name, text)) = texts.find(|(_, text)| is_calibration(text)) {
@@ -78,7 +78,7 @@ impl Recogniser for OfVelodyne {
     }
 }
 
-/// A head that turns.
+/// A rotating head.
 struct Head {
     turning: Turning,
     scanner: Arc<Scanner>,
@@ -128,10 +128,11 @@ impl maker::Scanner for Scanner {
     }
 }
 
-/// The cycles of a turn.
+/// The cycles of a revolution.
 struct Cycles<'a> {
     unpacking: Unpacking<'a>,
-    /// The cycle of the first packet that the turn begins with, and the one of the last packet that it ends before.
+    /// The cycle of the first packet at which the revolution begins, and the cycle of the last packet before which it
+    /// ends.
     first: u8,
     end: u8,
 }

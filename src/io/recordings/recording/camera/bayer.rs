@@ -1,9 +1,9 @@
 //! Demosaicing of Bayer images, taken behind a mosaic of colour filters: a pixel has one colour, the others are the
 //! means of its neighbours.
 //!
-//! *How it works.* Bilinear interpolation: a colour that a pixel has not is the mean of those among the 3 × 3 around it
-//! that have it. These are the four next to it or at its corners, or the two in its line or column; at the border those
-//! of them that there are. Points take colours from it: sharper methods pay off for images that are looked at.
+//! *How it works.* Bilinear interpolation: a missing colour of a pixel is the mean of the pixels among the 3 × 3 around
+//! it that have it. These are the four next to it or at its corners, or the two in its line or column; at the border
+//! the existing ones. Points take colours from it: sharper methods pay off for images that are displayed.
 
 /// Whose colour a pixel has, of the first two lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,7 +34,7 @@ impl Mosaic {
         Some(Self { channels, sample_bytes })
     }
 
-    /// The colours of an image of these samples. Precondition: they are as many as it has pixels.
+    /// The colours of an image of these samples. Precondition: one sample per pixel.
     pub(super) fn colors(self, samples: &[u8], [width, height]: [u32; 2]) -> Vec<[u8; 3]> {
         let (width, height) = (width as usize, height as usize);
         let around = |at: usize, side: usize| at.saturating_sub(1)..(at + 2).min(side);

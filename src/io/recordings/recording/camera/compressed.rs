@@ -1,7 +1,7 @@
-//! Images that are packed: PNG and JPEG, and depths as `compressed_depth_image_transport` writes them.
+//! Compressed images: PNG and JPEG, and depths as `compressed_depth_image_transport` writes them.
 //!
-//! Before such depths stand twelve bytes, a word and two single floats. Depths of 16 bits follow as PNG or as RVL;
-//! those of 32 bits as inverse depths n, whose depth is a / (n − b) with these two floats (0 is no measurement).
+//! Such depths begin with twelve bytes, a word and two single floats. Depths of 16 bits follow as PNG or as RVL; depths
+//! of 32 bits as inverse depths n, whose depth is a / (n − b) with these two floats (0 means no measurement).
 
 use super::super::bytes::Bytes;
 use super::messages::PackedImage;

@@ -48,7 +48,7 @@ impl ImageHead {
     }
 }
 
-/// `sensor_msgs/CameraInfo`: what of it tells the rays of an image.
+/// `sensor_msgs/CameraInfo`: the part that determines the rays of an image.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct CameraInfo {
     pub(crate) frame_id: String,

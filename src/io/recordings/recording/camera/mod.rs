@@ -1,7 +1,7 @@
 //! Camera messages: images, camera intrinsics, and the transforms between frames of reference.
 //!
-//! The messages are those of ROS (`sensor_msgs`, `tf2_msgs`), of both versions, and what `librealsense` additionally
-//! writes into its own bags. Grouping the topics that belong together is left to the readers of a recording.
+//! The messages are ROS messages (`sensor_msgs`, `tf2_msgs`), of both versions, and additional ones of `librealsense`
+//! in its own bags. Grouping the topics that belong together is left to the readers of a recording.
 
 mod bayer;
 mod compressed;

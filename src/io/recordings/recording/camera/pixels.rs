@@ -11,7 +11,7 @@ enum Pixels {
     Gray8,
     Gray16,
     GrayF32,
-    /// So many bytes, and where among them red, green and blue are.
+    /// Bytes per pixel, and the offsets of red, green and blue.
     Colors(u64, [usize; 3]),
     Yuv(Yuv),
     Mosaic(Mosaic),
@@ -26,7 +26,7 @@ impl Pixels {
             "mono16" | "16uc1" => Self::Gray16,
             "32fc1" => Self::GrayF32,
             "rgb8" => Self::Colors(3, [0, 1, 2]),
-            // OpenCV's channel order is that of bgr8.
+            // OpenCV's channel order is the one of bgr8.
             "bgr8" | "8uc3" => Self::Colors(3, [2, 1, 0]),
             "rgba8" => Self::Colors(4, [0, 1, 2]),
             "bgra8" | "8uc4" => Self::Colors(4, [2, 1, 0]),
@@ -56,7 +56,7 @@ impl Pixels {
         }
     }
 
-    /// Lines of an image of so many pixels downwards.
+    /// Lines of an image of height `height`.
     fn lines(self, height: u32) -> u64 {
         match self {
             Self::Yuv(yuv) => yuv.lines(height),
@@ -91,7 +91,7 @@ pub(super) fn raster(image: &RawImage<'_>, max_bytes: u64) -> Result<Raster, Str
             image.step
         ));
     }
-    // The decoded image takes as many bytes as the message, or three for each of them.
+    // The decoded image takes the bytes of the message, or three times that.
     if there > max_bytes {
         return Err(format!(
             "it has {there} bytes, and {max_bytes} are read: raise --max-memory if that is right"
@@ -131,7 +131,7 @@ fn numbers<T, const SIZE: usize>(bytes: &[u8], big_endian: bool, number: fn([u8;
     bytes.as_chunks::<SIZE>().0.iter().map(in_order).collect()
 }
 
-/// Red, green and blue, which stand at these places of a pixel.
+/// Red, green and blue, at these positions of a pixel.
 fn colors(bytes: &[u8], pixel_bytes: usize, places: [usize; 3]) -> Vec<[u8; 3]> {
     let pixels = bytes.chunks_exact(pixel_bytes);
     pixels.map(|pixel| places.map(|place| pixel[place])).collect()

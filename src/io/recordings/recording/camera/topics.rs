@@ -1,4 +1,4 @@
-//! Topics of cameras, and what their messages are.
+//! Topics of cameras, and the kinds of their messages.
 
 use super::super::message::Message;
 use std::time::Duration;
@@ -14,7 +14,7 @@ pub(crate) enum CameraMessage {
     CameraInfo,
     /// `tf2_msgs/TFMessage` that holds for all times.
     StaticTransforms,
-    /// `tf2_msgs/TFMessage` that holds at the times that it says.
+    /// `tf2_msgs/TFMessage`, valid at its time stamps.
     Transforms,
     /// `geometry_msgs/Transform`: the extrinsics of a stream of a `RealSense`.
     Extrinsics,

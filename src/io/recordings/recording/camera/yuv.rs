@@ -32,7 +32,7 @@ impl Yuv {
         }
     }
 
-    /// Lines of an image of so many.
+    /// Stored lines of an image of height `height`.
     pub(super) fn lines(self, height: u32) -> u64 {
         match self {
             Self::Packed(_) => height.into(),

@@ -44,7 +44,7 @@ impl<'a> Coded<'a> {
         }
     }
 
-    /// That of a packet.
+    /// The code of a packet.
     #[cfg(test)]
     pub(super) fn of(packet: &'a crate::scene::ScenePacket) -> Option<Self> {
         let cells = packet.content.coded()?;

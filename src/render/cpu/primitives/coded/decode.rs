@@ -1,8 +1,8 @@
 //! Decoding of the bytes of a block to the projections of its nodes.
 //!
 //! How it works: breadth-first, in byte order (Botsch et al. 2002 §4.4), but a block at a time, so that the queue of
-//! nodes is two short lists. The drawn nodes of a block are on one level, so they are consecutive, and nobody has to
-//! know which attributes to skip.
+//! nodes is two short lists. The drawn nodes of a block are on one level, so they are consecutive, and no attributes
+//! need to be skipped.
 
 use super::blocks::Block;
 use super::transform::Transform;

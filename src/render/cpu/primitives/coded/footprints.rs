@@ -1,9 +1,9 @@
 //! Footprint lookup: the mask of a normal at each position in the image (Botsch et al. 2002 §5.2).
 //!
-//! How it works: in perspective the ellipse of a disk depends on its normal and on where it is seen. So normals are
-//! divided into classes, once per frame for each entry of the table of normals, and the image into 4×4 sectors; for the
-//! ray through the centre of a sector and the direction of a class the ellipse is computed once per camera: its longer
-//! half axis, as a factor on the radius, and the mask of its shape. A splat looks both up.
+//! How it works: in perspective the ellipse of a disk depends on its normal and on its position in the image. So
+//! normals are divided into classes, once per frame for each entry of the table of normals, and the image into 4×4
+//! sectors; for the ray through the centre of a sector and the direction of a class the ellipse is computed once per
+//! camera: its longer half axis, as a factor on the radius, and the mask of its shape. A splat looks both up.
 
 use super::masks;
 use crate::cloud::{quantise_direction, quantised_directions};
@@ -17,7 +17,7 @@ const CLASS_LEVEL: u32 = 4;
 /// Classes: without orientation, half of the octahedron.
 const CLASSES: usize = 4 << (2 * CLASS_LEVEL);
 
-/// Sectors of the picture along each axis.
+/// Sectors of the image along each axis.
 const SECTORS: usize = 4;
 
 /// The class of a normal in view space, of any orientation.
@@ -112,8 +112,8 @@ mod tests {
         }
     }
 
-    /// Facing the eye in the corner of the picture: a circle across the ray, which the plane of the picture cuts as an
-    /// ellipse that is longer outwards, by the ray's length.
+    /// Facing the eye in the corner of the image: a circle across the ray, which the image plane cuts as an ellipse
+    /// that is longer outwards, by the ray's length.
     #[test]
     fn off_center_disks_are_stretched_outwards() {
         let ray = Vec3::new(0.4, -0.3, -1.0);

@@ -127,7 +127,7 @@ fn per_surfel_light_uses_the_normal_and_a_viewer_at_infinity() {
     }
 }
 
-/// Finer light takes the way from the eye to each point.
+/// Finer lighting uses the direction from the eye to each point.
 #[test]
 fn finer_light_uses_the_direction_from_the_eye() {
     for footprint in FOOTPRINTS {

@@ -1,12 +1,13 @@
 //! Footprints of splats as precomputed masks of weights (Botsch et al. 2002 §5.2).
 //!
 //! How it works: on the screen a disk is an ellipse, and as an ellipse it could be a disk seen from straight ahead with
-//! another normal. So there are masks for normals (quantised, half of an octahedron, of which half again is the same
-//! ellipse), for sizes (quarters of an octave) and for the position of the centre in its pixel (quarters of pixels near
-//! by, halves further out: the paper rounds to integer pixels and names that as the cause of its remaining aliasing). A
-//! weight is that of the exact disks, `exp(−3·d²)` inside of the ellipse `d ≤ 1`; the box filter of a pixel, whose
-//! variance is 1/12, widens the ellipse by half a pixel squared, as the covariance of `exp(−3·d²)` is a sixth of the
-//! ellipse's matrix. So nothing is narrower than a pixel, and splats seen edge on do not fall between pixels.
+//! another normal. So there are masks for normals (quantised, half of an octahedron, half of which again gives the same
+//! ellipses), for sizes (quarters of an octave) and for the position of the centre in its pixel (quarters of pixels
+//! near by, halves further out: the paper rounds to integer pixels and names that as the cause of its remaining
+//! aliasing). A weight is that of the exact disks, `exp(−3·d²)` inside of the ellipse `d ≤ 1`; the box filter of a
+//! pixel, whose variance is 1/12, widens the ellipse by half a pixel squared, as the covariance of `exp(−3·d²)` is a
+//! sixth of the ellipse's matrix. So nothing is narrower than a pixel, and splats seen edge on do not fall between
+//! pixels.
 //!
 //! Masks do not depend on the camera: [`super::footprints`] determines the ellipse of a normal, by position.
 //!
@@ -23,10 +24,10 @@ use std::sync::LazyLock;
 /// Refinements of the octahedron for shapes of masks.
 const SHAPE_LEVEL: u32 = 4;
 
-/// Ellipses: those of normals with x and z not negative.
+/// Ellipses: of normals with x and z not negative.
 const SHAPES: usize = 2 << (2 * SHAPE_LEVEL);
 
-/// Sizes in an octave, told apart by the highest bits of a float's mantissa.
+/// Sizes in an octave, distinguished by the highest bits of a float's mantissa.
 const SIZE_BITS: u32 = 2;
 
 /// The largest radius that belongs to the first size.
@@ -66,13 +67,13 @@ pub(super) struct Mask {
 #[derive(Debug)]
 pub(super) struct Masks {
     weights: Vec<u8>,
-    /// By size, shape and place.
+    /// Masks by size, shape and place.
     footprints: Vec<Mask>,
     /// The first mask of each size.
     size_starts: [usize; SIZES],
 }
 
-/// The size of a radius in pixels; `None` where there are no masks.
+/// The size of a radius in pixels; `None` beyond all masks.
 #[inline(always)]
 pub(super) fn size_of(radius_px: f32) -> Option<usize> {
     const SHIFT: u32 = f32::MANTISSA_DIGITS - 1 - SIZE_BITS;
@@ -112,7 +113,7 @@ pub(super) fn shape_of(normal: Vec3) -> u16 {
     ((octant >> 1 & 1) << (2 * SHAPE_LEVEL) | path) as u16
 }
 
-/// The normal that a shape is that of.
+/// The normal of a shape.
 fn normal_of_shape(shape: usize) -> Vec3 {
     let (half, path) = (shape >> (2 * SHAPE_LEVEL), shape % (1 << (2 * SHAPE_LEVEL)));
     let octant = half << 1;

@@ -1,16 +1,17 @@
 //! Surfels drawn straight from the byte code of an octree (Botsch et al. 2002).
 //!
-//! How it works: the tree is gone through once for blocks (`blocks.rs`); then each tile decodes the blocks that may
-//! touch it, level by level, adding the image of a vector for each node (`transform.rs`), looks up the normal as it is
-//! seen, its light and its class (`normals.rs`), drops what faces away before any division, moves it along its normal
+//! How it works: the tree is traversed once for blocks (`blocks.rs`); then each tile decodes the blocks that may touch
+//! it, level by level, adding the image of a vector for each node (`transform.rs`), looks up the normal as it is seen,
+//! its light and its class (`normals.rs`), drops points that face away before any division, moves it along its normal
 //! by its offset, and lays the mask of its shape, size and place (`footprints.rs`, `masks.rs`) on the pixels
-//! (`splat.rs`). ε-z accumulation and normalisation are those of the exact disks: depths pushed back by a radius, then
-//! weighted sums of what is not behind them.
+//! (`splat.rs`). ε-z accumulation and normalisation match the exact disks: depths pushed back by a radius, then
+//! weighted sums of splats not behind them.
 //!
-//! Splats too large for masks are drawn as exact disks: there the lookup saves nothing, as the pixels are what costs.
+//! Splats too large for masks are drawn as exact disks: there the lookup saves nothing, as the pixels dominate the
+//! cost.
 //!
 //! When it wins: many splats of a few pixels. What it costs: quantised normals (13 bits and 9 for shapes), places
-//! within a pixel, sizes and light for one direction; `benches/coded_render.rs` says how much of both.
+//! within a pixel, sizes and light for one direction; `benches/coded_render.rs` measures both.
 
 mod blocks;
 mod code;

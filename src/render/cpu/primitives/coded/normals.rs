@@ -4,8 +4,8 @@
 //! the normal as a function of pixels (the back-face test of a point is a dot product of three with its projection),
 //! the projection of the normal (for offsets), the class that the footprint is chosen by, and the light of a lamp at
 //! infinity, as that depends on the normal alone: for the headlight, in the direction from the eye to the centre of the
-//! cloud. Close up the result differs from that of a lamp at the eye, so it is what lighting *once per surfel* means
-//! here; finer lighting takes the product above, which is the cosine except for the length of the ray.
+//! cloud. Close up the result differs from a lamp at the eye: this is lighting *once per surfel* here; finer lighting
+//! uses the product above, which is the cosine except for the length of the ray.
 
 use super::footprints;
 use super::transform::homogeneous;
@@ -20,7 +20,7 @@ use rayon::prelude::*;
 #[derive(Debug, Clone, Copy)]
 #[repr(C)]
 pub(super) struct SeenNormal {
-    /// `facing · (u, v, w)` is the product of the normal and the vector from the eye to what is at these pixels times
+    /// `facing · (u, v, w)` is the product of the normal and the vector from the eye to the point at these pixels times
     /// distance. 0 for the fourth component.
     pub(super) facing: Vec4,
     /// The image of the unit vector, as pixels times distance, and 0.
@@ -37,7 +37,7 @@ const NORMALS_PER_TASK: usize = 1 << 10;
 /// Normals that footprints are chosen for: lower bits are masked out.
 const FOOTPRINT_BITS: u32 = 13;
 
-/// The table for normals of so many bits.
+/// The table for normals of this number of bits.
 pub(super) fn seen(packet: &ScenePacket, view: &PixelView, bits: u32) -> Vec<SeenNormal> {
     let to_center = packet.view.to_view(packet.bounds.center());
     let coarse = quantised_normals(FOOTPRINT_BITS);

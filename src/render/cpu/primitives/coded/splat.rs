@@ -1,10 +1,10 @@
 //! Splatting of masks to the pixels of a tile: the two passes, with weights that are looked up.
 //!
-//! How it works: eight pixels at a time, which begin at a multiple of eight, so that what one splat wrote and the next
-//! reads are the same words; the weights are read from where they fall (`masks.rs`). Depth is that of the splat's
-//! plane, whose inverse is affine in pixels, but not farther from that of the centre than the splat reaches (the paper
-//! takes the same depth everywhere, and needs a larger ε for it). Written without explicit registers: loops over eight
-//! numbers are compiled to them.
+//! How it works: eight pixels at a time, which begin at a multiple of eight, so that one splat writes and the next
+//! reads the same words; the weights are read at their offset (`masks.rs`). Depth follows the splat's plane, whose
+//! inverse is affine in pixels, but is not farther from the centre's depth than the splat reaches (the paper takes the
+//! same depth everywhere, and needs a larger ε for it). Written without explicit registers: loops over eight numbers
+//! are compiled to them.
 
 use super::masks::{FULL_WEIGHT, Mask, Masks};
 use crate::render::cpu::tile::{LANES, Tile, WIDTH};
@@ -66,7 +66,7 @@ fn for_each_eight(
     }
 }
 
-/// The depth of what is nearest, pushed back: depths are multiplied with `push_back`.
+/// The depth of the nearest surface, pushed back: depths are multiplied with `push_back`.
 #[inline(always)]
 pub(super) fn visibility(masks: &Masks, tile: &mut Tile, mask: &Mask, place: &SplatPlacement, push_back: f32) {
     let rect = tile.rect();
@@ -84,7 +84,7 @@ pub(super) fn visibility(masks: &Masks, tile: &mut Tile, mask: &Mask, place: &Sp
     });
 }
 
-/// Sums weighted colours of what is not behind the depths that are there.
+/// Sums weighted colours of fragments that are not behind the existing depths.
 #[inline(always)]
 pub(super) fn attribute(masks: &Masks, tile: &mut Tile, splat: &WaitingMask) {
     let WaitingMask { place, mask, color } = splat;
@@ -120,7 +120,7 @@ fn add(sums: &mut [f32; LANES], weight: &[f32; LANES], value: f32) {
     }
 }
 
-/// Between two numbers; `f32::clamp` asks whether they are in order.
+/// Between two numbers; `f32::clamp` tests if they are in order.
 #[inline(always)]
 fn clamped(value: f32, low: f32, high: f32) -> f32 {
     let value = if value > high { high } else { value };

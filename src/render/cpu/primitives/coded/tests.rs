@@ -1,4 +1,4 @@
-//! Additions beside products, masks beside integrals, and culling beside none.
+//! Additions compared with products, masks with integrals, and culling with none.
 
 use super::blocks::Block;
 use super::decode::Decoder;
@@ -14,7 +14,7 @@ use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use std::sync::Arc;
 
-/// Of all points.
+/// Colour of all points.
 pub(super) const COLOR: [u8; 4] = [200, 100, 50, 255];
 
 /// A packet of points with one normal as a byte code, seen by a camera.
@@ -71,8 +71,8 @@ prop_compose! {
 }
 
 proptest! {
-    /// Every node of every block is where a product of a matrix and its middle says, in f64: off by at most 2⁻²¹ of the
-    /// sizes of what was added up (each of at most 21 additions rounds by 2⁻²⁴ of its result, but the sizes halve).
+    /// Every node of every block is at the product of a matrix and its centre, in f64: off by at most 2⁻²¹ of the sizes
+    /// of the summands (each of at most 21 additions rounds by 2⁻²⁴ of its result, but the sizes halve).
     #[test]
     fn incremental_positions_match_matrix_products(
         points in prop::collection::vec(prop::array::uniform3(-1f32..1.0), 1..300),
@@ -159,7 +159,7 @@ fn per_slope_of(view: &PixelView) -> f32 {
     view.px_per_slope[0].abs().max(1.0) + view.center_px[0].max(view.center_px[1])
 }
 
-/// The weights of a mask beside the definition, sampled at the middles of pixels: the ellipse of a disk that is seen
+/// The weights of a mask compared with the definition, sampled at pixel centres: the ellipse of a disk that is seen
 /// from straight ahead, a little wider for the filter.
 #[test]
 fn masks_match_disks_seen_face_on() {

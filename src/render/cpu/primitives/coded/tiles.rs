@@ -149,7 +149,7 @@ impl CodedTiles<'_> {
         let footprint = self.footprints.at(node.normal.class, node.x_px, node.y_px);
         let radius_px = node.radius * node.per_distance * self.view.px_per_slope[0] * footprint.stretch;
         let [visibility, attribute] = self.coded.scales.map(|scale| scale * radius_px);
-        // Including what filtering and rounding may add.
+        // Including the margins of filtering and rounding.
         let reach = MASK_SLACK * visibility.max(attribute) + 2.0;
         let rect = tile.rect();
         let is_outside =
@@ -197,7 +197,7 @@ impl CodedTiles<'_> {
         }
     }
 
-    /// ε-z, as for exact disks: the factor on depths that leaves room for splats of one surface to blend.
+    /// ε-z, as for exact disks: the factor on depths that lets splats of one surface blend.
     #[inline(always)]
     fn push_back(&self, node: &SeenNode<'_>) -> f32 {
         let radius = self.coded.slack_radii * self.coded.scales[0] * node.radius;
@@ -254,8 +254,8 @@ impl CodedTiles<'_> {
         }
     }
 
-    /// Computes the headlight at a node. If it is requested per surfel, it is that of the normal, from infinity; else
-    /// of the ray as well.
+    /// Computes the headlight at a node. If it is requested per surfel, it depends on the normal alone, from infinity;
+    /// else on the ray as well.
     #[inline(always)]
     fn light_at(&self, node: &SeenNode<'_>) -> [f32; 2] {
         if matches!(self.lighting, Lighting::Unlit | Lighting::PerSurfel) {

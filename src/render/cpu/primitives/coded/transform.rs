@@ -1,9 +1,9 @@
 //! Transform from the space of a frame to homogeneous pixels, by additions (Botsch et al. 2002 §4).
 //!
-//! How it works: pixels times distance, `(u, v, w) = M·(p − eye)`, are linear in a point. The centre of a child is that
-//! of its parent plus one of eight vectors `±h/2`, so its projection is that of its parent plus the projection of the
-//! vector, computed once per frame for all octants of all levels; those of one level are half of those above it,
-//! exactly. With four children per node that is 4/3 additions of three numbers per leaf, and no product.
+//! How it works: pixels times distance, `(u, v, w) = M·(p − eye)`, are linear in a point. The centre of a child is its
+//! parent's plus one of eight vectors `±h/2`, so its projection is its parent's plus the projection of the vector,
+//! computed once per frame for all octants of all levels; the vectors of one level are half of those above it, exactly.
+//! With four children per node that is 4/3 additions of three numbers per leaf, and no product.
 
 use crate::math::Cube;
 use crate::math::morton::LEVELS;
@@ -15,7 +15,7 @@ use glam::{Vec3, Vec4};
 pub(super) struct Transform {
     /// Projected centre of the root.
     pub(super) root: Vec4,
-    /// Vectors from the centre of a node to that of its child on a level, by octant; those on level 0 are not used.
+    /// Vectors from the centre of a node to its child's on a level, by octant; level 0 is not used.
     pub(super) to_child: [[Vec4; 8]; LEVELS as usize + 1],
     /// Half the edges of the boxes around the images of the root, and half their distances.
     root_extent: Vec3,
@@ -49,7 +49,7 @@ impl Transform {
         }
     }
 
-    /// Returns half the depth of a cell of a level: the distance of its nearest point is that of its centre less this.
+    /// Returns half the depth of a cell of a level: the distance of its nearest point is its centre's less this.
     pub(super) fn half_depth(&self, level: u32) -> f32 {
         self.root_extent.z * 0.5f32.powi(level as i32)
     }

@@ -18,12 +18,12 @@ use std::ops::Range;
 /// Points of a packet.
 pub(in crate::render::cpu) struct Points<'a> {
     pub(super) records: &'a [PointRecord],
-    /// Their radii, if somebody knows them.
+    /// Their radii, if known.
     pub(super) shapes: Option<&'a [ShapeRecord]>,
     /// Edges of the squares, or diameters of the disks.
     pub(super) size: PointSize,
     pub(super) shape: PointShape,
-    /// None where they have no shapes.
+    /// None without shapes.
     pub(super) lighting: Lighting,
 }
 
@@ -240,7 +240,7 @@ fn key(depth_bits: u32, color_bits: u32) -> u64 {
     u64::from(depth_bits) << 32 | u64::from(color_bits)
 }
 
-/// Replaces what is behind, or as far away.
+/// Replaces pixels that are behind, or equally far away.
 #[inline(always)]
 fn put(there: &mut u64, key: u64) {
     // Always written: which of two points is nearer is unpredictable.

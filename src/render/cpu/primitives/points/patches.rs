@@ -1,4 +1,4 @@
-//! Points that are lit or blended: patches that face the screen, drawn by what draws surfels and faces of voxels.
+//! Points that are lit or blended: patches that face the screen, drawn by the code for surfels and faces of voxels.
 
 use super::Points;
 use crate::cloud::PointRecord;

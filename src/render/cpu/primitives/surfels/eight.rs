@@ -79,7 +79,7 @@ impl<S: Simd> EightCenters<S> {
         })
     }
 
-    /// Bounding radii of the splats for a radius of 1: those of disks, or of ellipses.
+    /// Bounding radii of the splats for a radius of 1, as disks or as ellipses.
     #[inline(always)]
     pub(super) fn reach_radii(&self, simd: S, are_ellipses: bool) -> f32x8<S> {
         if are_ellipses {

@@ -39,7 +39,7 @@ pub(in crate::render::cpu) struct Surfels<'a> {
 #[derive(Debug, Default)]
 pub(in crate::render::cpu) struct Waiting {
     splats: Vec<(Facet, Shading)>,
-    /// As many, where they are clamped.
+    /// One per splat, if they are clamped.
     midpoints: Vec<Center>,
     /// Eights of small ones, or fewer, by their numbers.
     small: Vec<Range<u32>>,
@@ -100,7 +100,7 @@ impl DrawnRecords for Surfels<'_> {
         }
     }
 
-    /// All passes over a tile but the last, over the picture.
+    /// All passes over a tile but the last, over the image.
     #[inline(always)]
     fn draw<S: Simd>(
         &self,
@@ -185,7 +185,7 @@ impl<'a> Surfels<'a> {
         self.filter != SplatFilter::Off
     }
 
-    /// Factors on the radii of what is drawn at most.
+    /// Maximum factors on the radii of drawn splats.
     fn largest_scale(&self) -> f32 {
         let [visibility, attribute] = self.scales;
         visibility.max(attribute)
@@ -226,7 +226,7 @@ impl<'a> Surfels<'a> {
         Some(midpoints.turned(simd, view, normals, self.style.primitive == Primitive::Ellipse))
     }
 
-    /// Returns the culling result for eight splats of which only the centres are known.
+    /// Returns the culling result for eight splats with only their centres known.
     #[inline(always)]
     fn fate<S: Simd>(&self, simd: S, view: &PixelView, midpoints: &EightCenters<S>) -> Fate {
         if self.filter == SplatFilter::Clamp {
@@ -301,7 +301,7 @@ impl<'a> Surfels<'a> {
             }
             Splatting::Visibility | Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged => {
                 // Not filtered: the union of unfiltered splats is the surface. Filtered ones that are seen almost
-                // edge-on extend far beyond it, towards the eye as well, and occluded what they should blend with.
+                // edge-on extend far beyond it, towards the eye as well, and occluded splats they should blend with.
                 let splats = seen.splats(simd, visibility);
                 let push_back = self.push_back(simd, view, seen, visibility);
                 let facets = splats.facets(simd, &canvas, seen);
@@ -373,7 +373,7 @@ impl<'a> Surfels<'a> {
         sums.add(simd, tile, &eight, lighting.is_deferred());
     }
 
-    /// ε-z: the factors on depths with which the visibility pass leaves room for splats of one surface to blend.
+    /// ε-z: the factors on depths with which the visibility pass lets splats of one surface blend.
     #[inline(always)]
     fn push_back<S: Simd>(&self, simd: S, view: &PixelView, seen: &EightSurfels<S>, scale: f32) -> f32x8<S> {
         let near = f32x8::splat(simd, view.near);

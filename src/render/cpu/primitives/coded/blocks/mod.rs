@@ -2,13 +2,13 @@
 //!
 //! How it works: the tree is traversed from the root, nearer octants first. A node beyond the sides of the image, or
 //! all of whose normals face away (their cone, Botsch et al. 2002 §4.2), is culled with all below it; the eye's nearest
-//! corner of its box determines the level on which its cells get smaller than asked for. Where that level is a few
+//! corner of its box determines the level on which its cells get smaller than requested. Where that level is a few
 //! below, the node is a *block*: all of it will be drawn on that level. Blocks are noted for the tiles that their boxes
 //! and splats may touch. The descendants of a block on any level are consecutive nodes, so that a decoder of a block
 //! reads masks and attributes in order.
 //!
-//! When it wins: what is not seen is not visited, and from afar blocks are few and their levels high, so the render
-//! time scales with what can be seen of the cloud.
+//! When it wins: invisible nodes are not visited, and from afar blocks are few and their levels high, so the render
+//! time scales with the visible part of the cloud.
 
 use super::code::Coded;
 use super::transform::{Transform, in_view};
@@ -166,7 +166,7 @@ impl<'a> Traversal<'a> {
         }
     }
 
-    /// The level from `level` on whose cells, at some distance, are no larger than asked for.
+    /// The level from `level` on whose cells, at some distance, are no larger than requested.
     fn drawn_level(&self, level: u32, nearest: f32) -> u32 {
         let deepest = self.coded.deepest_level.min(self.coded.cloud.depth());
         if nearest <= self.view.near || nearest.is_nan() {

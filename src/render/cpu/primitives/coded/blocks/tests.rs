@@ -1,4 +1,4 @@
-//! What is skipped, beside each node by itself; and in which order the rest comes.
+//! The skipped nodes, compared with testing each node by itself; and the order of the rest.
 
 use super::super::tests::{any_camera, packet_of_surfels};
 use super::super::transform::homogeneous;
@@ -27,7 +27,7 @@ fn cell_of(traversal: &Traversal<'_>, node: usize, level: u32) -> [u32; 3] {
     cloud.cells(level)[node - cloud.level(level).start]
 }
 
-/// The middle of a cell from the eye, in view space.
+/// The centre of a cell from the eye, in view space.
 fn from_eye(traversal: &Traversal<'_>, level: u32, cell: [u32; 3]) -> DVec3 {
     let view = traversal.view;
     let center = traversal.coded.cloud.cube().cell_center(level, cell);
@@ -35,9 +35,9 @@ fn from_eye(traversal: &Traversal<'_>, level: u32, cell: [u32; 3]) -> DVec3 {
     view.rotation().as_dmat3() * (center.as_dvec3() - eye[0] - eye[1])
 }
 
-/// Whether a box in view space is beyond the near plane, or beyond a side of the picture by some pixels.
+/// Returns true if a box in view space is beyond the near plane, or beyond a side of the image by some pixels.
 fn is_outside(view: &PixelView, center: DVec3, half: DVec3) -> bool {
-    /// What is drawn is taken for two pixels wider, and pixels are whole.
+    /// Splats count as two pixels wider, and pixels are whole.
     const MARGIN_PX: f64 = 4.0;
     let is_outside = |axis: usize, side_px: f64, outwards: f64| {
         // The plane through the eye and these pixels is where `axis + slope · z` is 0.
@@ -84,7 +84,7 @@ prop_compose! {
 }
 
 proptest! {
-    /// Every node that is in the picture and faces the eye, by its own middle and normal alone, is in a block.
+    /// Every node that is in the image and faces the eye, by its own centre and normal alone, is in a block.
     #[test]
     fn nothing_visible_is_skipped(packet in any_packet(3.0)) {
         traversed(&packet, |traversal, blocks| {
@@ -114,7 +114,7 @@ proptest! {
         })?;
     }
 
-    /// No block is beyond a side of the picture, or behind the eye, with all that its splats may reach.
+    /// No block is beyond a side of the image, or behind the eye, with all that its splats may reach.
     #[test]
     fn blocks_certainly_outside_the_view_are_skipped(packet in any_packet(3.0)) {
         traversed(&packet, |traversal, blocks| {
@@ -135,13 +135,13 @@ proptest! {
         })?;
     }
 
-    /// No block shows only its back, by more than what normals and cones are rounded by. All points have one normal: so
-    /// the cones below are as narrow as they get.
+    /// No block shows only its back, by more than the rounding of normals and cones. All points have one normal: so the
+    /// cones below are as narrow as they get.
     #[test]
     fn blocks_certainly_back_facing_are_skipped(packet in any_packet(0.0)) {
         traversed(&packet, |traversal, blocks| {
             let cloud = traversal.coded.cloud;
-            // One step of half opening angles; what is added at each level through which they are gathered, and the
+            // One step of half opening angles; the angle added at each level through which they are gathered, and the
             // same amount for rounding of cosines near 1; and twice the error of a normal.
             let rounding = std::f64::consts::PI / 255.0
                 + 2e-3 * f64::from(cloud.depth() + 1)
@@ -171,8 +171,8 @@ proptest! {
     }
 }
 
-/// Of any two blocks that follow each other, the nearer comes first: of the two octants of one node that they are in,
-/// by the distances of their middles along the view.
+/// Of any two consecutive blocks, the nearer comes first: of the two octants of their common node, by the distances of
+/// their centres along the view.
 fn assert_nearer_octants_first(packet: &ScenePacket) {
     traversed(packet, |traversal, blocks| {
         let path = |block: &Block| {
@@ -213,7 +213,7 @@ fn ball() -> Vec<([f32; 3], Vec3)> {
     (0..count).map(surfel).collect()
 }
 
-/// From 4 radii, towards what is so high above the middle.
+/// From 4 radii, towards a point at this height above the centre.
 fn camera_at(azimuth_deg: f64, elevation_deg: f64, target_y: f64) -> Camera {
     Camera {
         target_in_world: DVec3::new(0.0, target_y, 0.0),
@@ -227,7 +227,7 @@ fn camera_at(azimuth_deg: f64, elevation_deg: f64, target_y: f64) -> Camera {
     }
 }
 
-/// How much is skipped of a ball that shows its front, and of one that is above the picture but for its rim.
+/// The fraction skipped of a ball that shows its front, and of one that is above the image except for its edge.
 #[test]
 fn much_of_a_sphere_is_skipped() {
     // From 4 radii, 38 % of it faces the eye; blocks whose cones extend over the silhouette are added. Blocks have
