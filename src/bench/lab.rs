@@ -53,7 +53,8 @@ pub struct LabPoint {
     /// Mean difference between the FLIP of two consecutive images under an orbiting camera and that of the truth, 0 to
     /// 1.
     pub flip_over_time: f64,
-    /// The Pareto fronts that it is on, in the order of [`LabError::ALL`]: no other mode is both as fast and as accurate.
+    /// The Pareto fronts that it is on, in the order of [`LabError::ALL`]: no other mode is both as fast and as
+    /// accurate.
     pub is_on_front: [bool; LabError::ALL.len()],
     /// The first view, small.
     pub picture: RgbaImage,

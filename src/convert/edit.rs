@@ -120,14 +120,14 @@ fn crop_in_words(clip: &Clip) -> String {
 
 /// Leaves the points that `clip` keeps and the faces whose corners are all left.
 fn crop(cloud: &mut RawCloud, clip: &Clip) {
-    let kept: Vec<u32> = (0..cloud.positions.len() as u32)
+    let inside: Vec<u32> = (0..cloud.positions.len() as u32)
         .filter(|&index| clip.keeps(cloud.positions.get(index as usize)))
         .collect();
-    if kept.len() == cloud.positions.len() {
+    if inside.len() == cloud.positions.len() {
         return;
     }
     let mut new_index = vec![None; cloud.positions.len()];
-    for (new, &old) in (0..).zip(&kept) {
+    for (new, &old) in (0..).zip(&inside) {
         new_index[old as usize] = Some(new);
     }
     let moved = |&[a, b, c]: &[u32; 3]| {
@@ -135,10 +135,10 @@ fn crop(cloud: &mut RawCloud, clip: &Clip) {
         Some([corner(a)?, corner(b)?, corner(c)?])
     };
     let faces: Vec<[u32; 3]> = cloud.faces.iter().filter_map(moved).collect();
-    cloud.keep(&kept);
+    cloud.keep(&inside);
     cloud.skipped_faces -= faces.len();
     cloud.faces = faces;
-    if kept.is_empty() {
+    if inside.is_empty() {
         let text = format!("no point is {}: the frame is written without any", crop_in_words(clip));
         cloud.warnings.push(text);
     }

@@ -27,8 +27,8 @@ use std::sync::{Arc, Mutex, OnceLock};
 /// The centre may be this many extents away from zero before the origin moves.
 const FAR_IN_EXTENTS: f64 = 4.0;
 
-/// Maximum distance of the centre from the origin of another sequence, in extents: 18 bits are left, finer than the point
-/// spacing, and a part of a cloud has the same f32 as the whole.
+/// Maximum distance of the centre from the origin of another sequence, in extents: 18 bits are left, finer than the
+/// point spacing, and a part of a cloud has the same f32 as the whole.
 const FAR_COMPANION_IN_EXTENTS: f64 = 64.0;
 
 /// A decoded frame with its time in milliseconds, or the reason why there is none.

@@ -62,8 +62,8 @@ pub const SURFELS: &Suite = &Suite {
     description: "drawing surfels, two-pass-enlarged (2x), by instancing strategy",
     measured: "CPU wall time from packet to finished picture (draw ms); GPU time of its passes (GPU ms); copying the \
         records to the adapter (upload ms)",
-    not_measured: "decoding, normals, octrees and traversal, reading back, showing; uploads are not in draw ms; upload + \
-        draw ms, the sum of both medians, is a frame that is drawn for the first time",
+    not_measured: "decoding, normals, octrees and traversal, reading back, showing; uploads are not in draw ms; \
+        upload + draw ms, the sum of both medians, is a frame that is drawn for the first time",
     covered_by: "surfels",
     defaults: Defaults::PROTOCOL,
     takes: &[],

@@ -83,7 +83,16 @@ pub(in crate::cli) struct ConvertArgs {
     #[arg(
         long,
         hide_short_help = true,
-        conflicts_with_all = ["format", "frames", "clip_box", "voxel", "transform", "estimate_normals", "smooth", "shard"],
+        conflicts_with_all = [
+            "format",
+            "frames",
+            "clip_box",
+            "voxel",
+            "transform",
+            "estimate_normals",
+            "smooth",
+            "shard",
+        ],
     )]
     join: bool,
 

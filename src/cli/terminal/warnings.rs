@@ -56,7 +56,7 @@ pub(in crate::cli) fn warn(message: &str) {
     note(format!("warning: {message}"), "like it");
 }
 
-/// Warns of a frame. A frame gives the same warning only once.
+/// Warns of a frame, which gives the same warning only once.
 pub(in crate::cli) fn warn_of_frame(message: &str) {
     note(format!("warning: {message}"), "frames");
 }

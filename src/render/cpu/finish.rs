@@ -336,7 +336,7 @@ fn over<S: Simd>(simd: S, colors: [f32x8<S>; 3], opacity: f32x8<S>, behind: [f32
     ]
 }
 
-/// The same number of zeros.
+/// Fills the buffer with `count` zeros.
 fn clear<T: Copy + Default>(values: &mut Vec<T>, count: usize) {
     values.clear();
     values.resize(count, T::default());
