@@ -1,4 +1,4 @@
-//! Captures of LiDARs that are written here, with points whose positions are computed by the formulas of the
+//! Captures of LiDAR sensors that are written here, with points whose positions are computed by the formulas of the
 //! manuals, in double precision.
 
 mod captures;

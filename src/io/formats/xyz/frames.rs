@@ -92,7 +92,7 @@ impl Counter {
     }
 }
 
-/// Signs of the columns of `LiDARs`, which stamp their points.
+/// Signs of the columns of LiDAR sensors, which stamp their points.
 const LIDAR_WORDS: [&str; 12] = [
     "intensity",
     "reflectance",

@@ -12,7 +12,7 @@ use etherparse::defrag::IpDefragBuf;
 use std::collections::{BTreeMap, VecDeque};
 use std::net::IpAddr;
 
-/// LiDARs send one datagram after the other: this many are open only where pieces are lost, or from many LiDARs.
+/// A LiDAR sends one datagram after the other: this many are open only where pieces are lost, or with many sensors.
 const MAX_OPEN: usize = 32;
 
 /// Pieces of a datagram follow one another within a few packets; numbers are used again after 65,536 datagrams.
