@@ -1,7 +1,7 @@
 //! Surfels from back to front: the reference of all modes that blend without sorting.
 //!
-//! How it works: a splat that is drawn over all splats behind it needs neither a depth test nor a second pass (Pereira
-//! et al. 2016 §V-B call it the proper solution, which is too slow for them). The order is by centres along the view
+//! How it works: a splat that is drawn over all splats behind it needs neither a depth test nor a second pass (the 4D
+//! media paper §V-B calls it the proper solution, too slow to use). The order is by centres along the view
 //! axis, so splats that intersect are blended as wholes. Each view is sorted again, and uploaded again to an adapter.
 
 use super::{Content, Surfels, ViewTransform};
