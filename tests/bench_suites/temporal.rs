@@ -36,6 +36,13 @@ fn surfels_at_rest_stand_still_whatever_else_moves() {
         let is_of_points = mode.starts_with("surfel") && !mode.contains('τ');
         assert!(flip <= 0.002 || !is_of_points, "{mode}: {flip}");
     }
+    // Other points of the same surface are seen to change, more so where they are fewer.
+    let mean = |scene: &str| {
+        let rows = rows(scene);
+        rows.iter().map(|row| number(row, "flip_over_time")).sum::<f64>() / rows.len() as f64
+    };
+    let [again, fewer] = ["sampled again", "sampled again, a quarter of the points"].map(mean);
+    assert!(again > 0.005 && fewer > again, "{again} {fewer}");
     for scene in ["shape moves", "camera turns"] {
         assert!(rows(scene).iter().all(|row| number(row, "steps") == 4.0));
     }
