@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn coinciding_points_sit_in_the_middle() {
+    fn coincident_points_are_centered() {
         for point in [
             Vec3::ZERO,
             Vec3::splat(1e7),

@@ -260,6 +260,8 @@ impl Scene {
         if !is_of_screen {
             self.screen.forget();
         }
+        // Sorting needs the records here.
+        let is_left_to_gpu = style.drawing.renderer == RendererChoice::Gpu && !style.sorts_surfels();
         let kind = style.levels_kind();
         let coded = self.coded(frame, style);
         // Byte codes cannot be clipped: with a clip, their surfels are drawn as disks.
@@ -277,9 +279,7 @@ impl Scene {
                 metric: style.levels.metric,
                 affordable: self.affordable,
                 clip: params.clip,
-                may_select: style.drawing.renderer == RendererChoice::Gpu
-                    && params.clip.is_none()
-                    && !style.sorts_surfels(),
+                may_select: is_left_to_gpu && params.clip.is_none(),
             });
         }
         let points = || Arc::clone(&frame.points);
@@ -319,7 +319,7 @@ impl Scene {
                 sensor: frame.frame.sensor(),
             },
             shows_errors: style.shows_normal_errors(),
-            is_left_to_card: style.drawing.renderer == RendererChoice::Gpu && !style.sorts_surfels(),
+            is_left_to_card: is_left_to_gpu,
         })
     }
 
