@@ -3,10 +3,12 @@
 //! Messages are made where something is found, throughout the code, and name the file, the place in it and its content.
 //! Two of them are of one kind if they differ only in numbers, names of files and quotes from a file.
 
+use std::fmt::Display;
+
 /// Formats the frame number for user-facing messages: the position among all frames, as in the timeline, "frame 3 of
 /// 24". Options, names of files and JSON use its index, which counts from 0.
 pub(crate) fn frame_place(index: usize, count: usize) -> String {
-    format!("frame {} of {count}", index + 1)
+    format!("frame {} of {}", grouped(index + 1), grouped(count))
 }
 
 /// Formats the frame number together with the index, for users who may have to type it: "frame 3 of 24 (index 2)".
@@ -17,12 +19,13 @@ pub(crate) fn frame_with_index(index: usize, count: usize) -> String {
 /// Formats the frame number of a sequence that is unknown or growing: "frame 3 (index 2)".
 pub(crate) fn frame_by_index(index: usize) -> String {
     // Options, file names and JSON count from 0: counting from 1 everywhere would have shifted every script by one.
-    format!("frame {} (index {index})", index + 1)
+    format!("frame {} (index {index})", grouped(index + 1))
 }
 
 /// Frames from one to another, both included: "frames 3 to 5 (indices 2 to 4)".
 pub(crate) fn frames_with_indices(first: usize, last: usize) -> String {
-    format!("frames {} to {} (indices {first} to {last})", first + 1, last + 1)
+    let [from, to] = [first, last].map(|index| grouped(index + 1));
+    format!("frames {from} to {to} (indices {first} to {last})")
 }
 
 /// The error for frames `first..=last` requested by `option` from a sequence of `count` frames; `None` if all of them
@@ -47,10 +50,25 @@ pub(crate) fn missing_frames(option: &str, first: usize, last: usize, count: usi
     })
 }
 
-/// A count with its noun: `1 frame`, `-3 frames`.
+/// A whole number with commas between groups of three digits: `1234567` → `1,234,567`. Not for numbers that users may
+/// type again.
+pub(crate) fn grouped(number: impl Display) -> String {
+    let digits = number.to_string();
+    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
+    for (index, digit) in digits.char_indices() {
+        let is_inner = index > 0 && !text.ends_with('-');
+        if is_inner && (digits.len() - index).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// A count with its noun: `1 frame`, `-3 frames`, `1,000 frames`.
 pub(crate) fn counted(count: i64, noun: &str) -> String {
     let plural = if count.abs() == 1 { "" } else { "s" };
-    format!("{count} {noun}{plural}")
+    format!("{} {noun}{plural}", grouped(count))
 }
 
 /// Names with commas between them and `last` before the last.
@@ -88,7 +106,7 @@ fn push_kind_of_word(word: &str, kind: &mut String) {
         None => ("", word),
     };
     kind.push_str(before);
-    if bare.parse::<f64>().is_ok() {
+    if bare.replace(',', "").parse::<f64>().is_ok() {
         kind.push('#');
     } else if names_a_file(bare) {
         kind.push('/');
@@ -140,6 +158,20 @@ mod tests {
         assert_eq!(frame_by_index(2), "frame 3 (index 2)");
         let kinds = [frame_with_index(2, 24), frame_with_index(13, 24)].map(|text| kind_of(&text));
         assert_eq!(kinds[0], kinds[1]);
+        let many = frame_with_index(1233, 12_000);
+        assert_eq!(many, "frame 1,234 of 12,000 (index 1233)");
+        assert_eq!(kind_of(&many), kinds[0], "separators make no other kind");
+    }
+
+    #[test]
+    fn thousands_have_separators() {
+        for (number, text) in [(0, "0"), (999, "999"), (1_000, "1,000"), (12_345_678, "12,345,678")] {
+            assert_eq!(grouped(number), text);
+        }
+        for (number, text) in [(-100, "-100"), (-1_000, "-1,000"), (-123_456, "-123,456")] {
+            assert_eq!(grouped(number), text);
+        }
+        assert_eq!(counted(4_321, "frame"), "4,321 frames");
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! mode of one, by more.
 
 use super::{Finding, FindingKind, FrameFacts};
-use crate::messages::frame_by_index;
+use crate::messages::{frame_by_index, grouped};
 use crate::rgbd::Camera;
 use crate::sequence::{FrameError, Sequence};
 
@@ -42,8 +42,8 @@ pub(super) fn changed_camera(sequence: &Sequence, facts: &[Result<FrameFacts, Fr
         message: format!(
             "{} of {} frames were taken by another camera than {} ({}), from {} on ({}): open them as a sequence of \
              their own",
-            frames.len(),
-            facts.len(),
+            grouped(frames.len()),
+            grouped(facts.len()),
             frame_by_index(first),
             usual.words(),
             frame_by_index(index),

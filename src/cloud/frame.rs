@@ -8,9 +8,9 @@ use super::error::MAX_POINTS;
 use super::value_sample::{SharedSample, ValueSample};
 use super::{
     Attributes, AxisConvention, CloudError, Ellipse, ImageGrid, LengthUnit, MadeFrom, Positions, RawCloud, ScalarField,
-    even_places, radius_factor,
+    Space, even_places, radius_factor,
 };
-use crate::math::{Aabb, Cube, order_of_codes};
+use crate::math::{Aabb, Cube, Lattice, order_of_codes};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
@@ -18,8 +18,8 @@ use std::sync::Arc;
 ///
 /// Invariants, ensured by [`Frame::from_raw`]: every position and scalar is finite; normals are of unit length, or zero
 /// where the file gave none that can be used; radii are finite and not negative; ellipses are present only together
-/// with normals and radii; points are in the order of their Morton codes in the [`Cube`] around them, those in one
-/// finest cell in the order of the file.
+/// with normals and radii; points are in the order of their Morton codes in [`Frame::cube`], those in one finest cell in
+/// the order of the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
     positions: Vec<Vec3>,
@@ -34,6 +34,8 @@ pub struct Frame {
     convention: Option<AxisConvention>,
     unit: Option<LengthUnit>,
     bounds: Aabb,
+    cube: Cube,
+    lattice: Option<Lattice>,
     dropped_points: usize,
     has_faces: bool,
     /// Points of the file that this one was not made from, as it is a sample.
@@ -48,15 +50,16 @@ impl Frame {
     /// Most points a frame can hold.
     pub const MAX_POINTS: usize = MAX_POINTS;
 
-    /// Validates `raw`, moves it to `origin` (in f64), drops points without finite coordinates and puts the others in
-    /// Morton order.
-    pub fn from_raw(raw: RawCloud, origin: DVec3) -> Result<Self, CloudError> {
+    /// Validates `raw`, moves it to the origin of `space` (in f64), drops points without finite coordinates and puts
+    /// the others in Morton order.
+    pub fn from_raw(raw: RawCloud, space: impl Into<Space>) -> Result<Self, CloudError> {
+        let Space { origin, lattice } = space.into();
         let point_count = raw.positions.len();
         check_lengths(&raw)?;
         let moved = move_to_origin(raw.positions, origin);
         // 100,000 points with attributes are sorted in 3 to 4 ms on one thread, a tenth of the preparation of a frame
         // with normals; octrees are then built without sorting.
-        let (bounds, file_index) = finite_in_morton_order(&moved);
+        let (bounds, cube, file_index) = finite_in_morton_order(&moved, lattice);
         let positions = gather(&moved, &file_index);
         drop(moved);
         let mut attributes = raw.attributes;
@@ -70,6 +73,8 @@ impl Frame {
         attributes.make_usable(&usable_radii);
         Ok(Self {
             bounds,
+            cube,
+            lattice,
             dropped_points: point_count - file_index.len(),
             positions,
             has_all_normals: hold_for_all(attributes.normals.as_deref(), |&normal| normal != [0.0; 3]),
@@ -91,27 +96,27 @@ impl Frame {
 
     /// [`Frame::from_raw`] of at most `max_points` points, taken evenly from the order of the file. Radii grow to cover
     /// the surface of all points.
-    pub fn from_raw_sample(mut raw: RawCloud, origin: DVec3, max_points: usize) -> Result<Self, CloudError> {
+    pub fn from_raw_sample(mut raw: RawCloud, space: impl Into<Space>, max_points: usize) -> Result<Self, CloudError> {
         let point_count = raw.positions.len();
         if point_count <= max_points {
-            return Self::from_raw(raw, origin);
+            return Self::from_raw(raw, space);
         }
         check_lengths(&raw)?;
         let grid = raw.grid;
         raw.keep(&even_slots(point_count, max_points));
         raw.grid = grid;
-        Self::from_sampled(raw, origin, point_count)
+        Self::from_sampled(raw, space, point_count)
     }
 
     /// [`Frame::from_raw_sample`] of a file of `point_count` points, where `raw` has only the sampled ones.
     ///
     /// # Panics
     /// Precondition: no more points than in the file.
-    pub fn from_sampled(mut raw: RawCloud, origin: DVec3, point_count: usize) -> Result<Self, CloudError> {
+    pub fn from_sampled(mut raw: RawCloud, space: impl Into<Space>, point_count: usize) -> Result<Self, CloudError> {
         let places = even_slots(point_count, raw.positions.len());
         assert_eq!(places.len(), raw.positions.len(), "points of a larger file");
         raw.attributes.scale_splats(radius_factor(point_count, places.len()));
-        Self::from_raw(raw, origin).map(|frame| frame.with_places(&places, point_count))
+        Self::from_raw(raw, space).map(|frame| frame.with_places(&places, point_count))
     }
 
     /// [`Frame::from_raw`] of a coarse level of a frame of `point_count` points, whose next finer level has
@@ -122,13 +127,13 @@ impl Frame {
     /// Precondition: no more points than in the file.
     pub fn from_level(
         raw: RawCloud,
-        origin: DVec3,
+        space: impl Into<Space>,
         point_count: usize,
         points_of_finer: usize,
     ) -> Result<Self, CloudError> {
         let places = even_slots(point_count, raw.positions.len());
         assert_eq!(places.len(), raw.positions.len(), "points of a larger file");
-        let mut frame = Self::from_raw(raw, origin)?.with_places(&places, point_count);
+        let mut frame = Self::from_raw(raw, space)?.with_places(&places, point_count);
         frame.points_of_finer = Some(points_of_finer);
         Ok(frame)
     }
@@ -206,7 +211,7 @@ impl Frame {
             warnings: self.warnings.iter().cloned().chain([warning]).collect(),
             ..RawCloud::from_positions(Positions::F32(positions.iter().map(Vec3::to_array).collect()))
         };
-        let mut moved = Self::from_raw(raw, DVec3::ZERO)?;
+        let mut moved = Self::from_raw(raw, self.space())?;
         moved.file_index = gather(&self.file_index, &moved.file_index);
         (moved.dropped_points, moved.skipped) = (self.dropped_points, self.skipped);
         (moved.points_of_finer, moved.has_faces) = (self.points_of_finer, self.has_faces);
@@ -225,7 +230,7 @@ impl Frame {
             warnings: self.warnings.clone(),
             ..RawCloud::from_positions(Positions::F32(bytemuck::cast_vec(gather(&self.positions, taken))))
         };
-        let mut part = Self::from_raw(raw, DVec3::ZERO)?;
+        let mut part = Self::from_raw(raw, self.space())?;
         let slots = gather(taken, &part.file_index);
         part.file_index = gather(&self.file_index, &slots);
         part.skipped = self.points_in_file() - slots.len();
@@ -344,6 +349,26 @@ impl Frame {
         self.bounds
     }
 
+    /// The cube in whose Morton order the points are, and that octrees of them divide: around all positions, of the
+    /// cells that the frames of a sequence share.
+    pub fn cube(&self) -> Cube {
+        self.cube
+    }
+
+    /// The space of the positions.
+    pub(crate) fn space(&self) -> Space {
+        Space {
+            origin: DVec3::ZERO,
+            lattice: self.lattice,
+        }
+    }
+
+    /// Returns the doublings from the cube of the sequence's first frame to this one's: levels of one number are cells
+    /// of the same size if they are counted from there.
+    pub(crate) fn levels_above_first(&self) -> i32 {
+        self.lattice.map_or(0, |lattice| lattice.level_of(&self.cube))
+    }
+
     /// Returns the number of points of the file without finite coordinates.
     pub fn dropped_points(&self) -> usize {
         self.dropped_points
@@ -425,27 +450,28 @@ fn move_to_origin(positions: Positions, origin: DVec3) -> Vec<Vec3> {
     }
 }
 
-/// The box around all finite positions, and their indices in Morton order.
-fn finite_in_morton_order(positions: &[Vec3]) -> (Aabb, Vec<u32>) {
+/// The box and the cube around all finite positions, and their indices in Morton order.
+fn finite_in_morton_order(positions: &[Vec3], lattice: Option<Lattice>) -> (Aabb, Cube, Vec<u32>) {
     if positions.iter().all(|position| position.is_finite()) {
-        return in_morton_order(positions);
+        return in_morton_order(positions, lattice);
     }
     let (finite, index): (Vec<Vec3>, Vec<u32>) = positions
         .iter()
         .zip(0..)
         .filter(|(position, _)| position.is_finite())
         .unzip();
-    let (bounds, order) = in_morton_order(&finite);
-    (bounds, gather(&index, &order))
+    let (bounds, cube, order) = in_morton_order(&finite, lattice);
+    (bounds, cube, gather(&index, &order))
 }
 
-fn in_morton_order(positions: &[Vec3]) -> (Aabb, Vec<u32>) {
+fn in_morton_order(positions: &[Vec3], lattice: Option<Lattice>) -> (Aabb, Cube, Vec<u32>) {
     let bounds = Aabb::from_points(positions);
-    let order = match Cube::around_box(&bounds) {
-        Some(cube) => order_of_codes(&cube.codes(positions)),
-        None => Vec::new(),
+    let cube = match lattice {
+        Some(lattice) => lattice.cube_around(&bounds),
+        None => Cube::around_box(&bounds),
     };
-    (bounds, order)
+    let cube = cube.unwrap_or(Cube::EMPTY);
+    (bounds, cube, order_of_codes(&cube.codes(positions)))
 }
 
 #[cfg(test)]

@@ -8,7 +8,6 @@
 
 use crate::cloud::{CloudError, Frame, Positions, RawCloud, ShapeRecord, decode_ellipse, oct_decode};
 use crate::sequence::{ColorSource, Coloring, Needs, PrepareCounters, PreparedFrame, prepare};
-use glam::DVec3;
 use std::sync::Arc;
 
 /// Another frame in the image of one.
@@ -84,7 +83,7 @@ pub fn with_ghosts(pose: &PreparedFrame, ghosts: &[Ghost], needs: &Needs) -> Res
         raw.attributes.ellipses = needs.ellipses.then(|| shapes.iter().map(ellipse).collect());
     }
     raw.unit = pose.frame.unit();
-    let frame = Arc::new(Frame::from_raw(raw, DVec3::ZERO)?);
+    let frame = Arc::new(Frame::from_raw(raw, pose.frame.space())?);
     let needs = Needs {
         shapes: has_shapes,
         colors: Coloring::of(ColorSource::File),
@@ -101,7 +100,7 @@ mod tests {
     use crate::cloud::Ellipse;
     use crate::levels::octree::StopCriterion;
     use crate::levels::{LevelsKey, LevelsKind};
-    use glam::Vec3;
+    use glam::{DVec3, Vec3};
 
     /// Points on a line from `start`, dark and bright by turns.
     fn pose(index: usize, start: f32, count: usize, needs: &Needs) -> Arc<PreparedFrame> {

@@ -5,16 +5,15 @@ use super::list::PointList;
 use super::octree::{CodedCloud, LodSurfels, Octree, StopCriterion, VoxelLevels};
 use super::spheres::SphereLevels;
 use super::structure::Levels;
-use crate::cloud::{PointRecord, ShapeRecord};
-use glam::Vec3;
+use crate::cloud::{Frame, PointRecord, ShapeRecord};
 use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Source data of levels: the records of a cloud in the order of its frame, one per point.
 #[derive(Debug, Clone, Copy)]
 pub struct CloudRecords<'a> {
-    /// Positions, as in `points`.
-    pub positions: &'a [Vec3],
+    /// The frame, whose positions are those of `points`.
+    pub frame: &'a Frame,
     /// The colours of `points`, where they exist as an array.
     pub colors: Option<&'a [[u8; 4]]>,
     /// Positions and colours.
@@ -135,7 +134,7 @@ impl LevelsSet {
         if kind.needs_octree() && self.stop() != Some(stop) {
             work.octrees = 1;
             let octree = match self.octree() {
-                Some(octree) => octree.with_stop(stop),
+                Some(octree) => octree.with_stop(cloud.in_its_cube(stop)),
                 None => cloud.octree(stop),
             };
             levels.octree = Some((stop, Arc::new(octree)));
@@ -143,12 +142,12 @@ impl LevelsSet {
         let shapes = cloud.shapes.filter(|_| kind.needs_shapes());
         levels.made = shapes.and_then(|shapes| {
             let known = self.made.as_ref();
-            let (octree, points) = (levels.octree(), cloud.points);
-            let known = known.filter(|known| self.kind() == Some(kind) && known.is_of(octree, points, shapes));
+            let octree = levels.octree();
+            let known = known.filter(|known| self.kind() == Some(kind) && known.is_of(octree, cloud.points, shapes));
             known.cloned().or_else(|| {
                 work.codes = u32::from(kind == LevelsKind::Codes);
                 work.spheres = u32::from(matches!(kind, LevelsKind::Spheres(_)));
-                ShapeLevels::of(kind, octree, points, shapes)
+                ShapeLevels::of(kind, octree, cloud, shapes)
             })
         });
         (levels, work)
@@ -182,10 +181,10 @@ impl ShapeLevels {
     fn of(
         kind: LevelsKind,
         octree: Option<&Arc<Octree>>,
-        points: &Arc<Vec<PointRecord>>,
+        cloud: &CloudRecords<'_>,
         shapes: &Arc<Vec<ShapeRecord>>,
     ) -> Option<Self> {
-        let records = || (Arc::clone(points), Arc::clone(shapes));
+        let records = || (Arc::clone(cloud.points), Arc::clone(shapes));
         let surfels = || {
             let (points, shapes) = records();
             Some(Arc::new(LodSurfels::new(Arc::clone(octree?), points, shapes)))
@@ -198,14 +197,14 @@ impl ShapeLevels {
             }
             LevelsKind::Spheres(kind) => {
                 let (points, shapes) = records();
-                Self::Spheres(Arc::new(SphereLevels::build(kind, points, shapes)))
+                Self::Spheres(Arc::new(SphereLevels::build(kind, cloud.frame.cube(), points, shapes)))
             }
             LevelsKind::LitCubes => {
                 let surfels = surfels()?;
                 Self::LitCubes(Arc::new(VoxelLevels { surfels }))
             }
             LevelsKind::Surfels => Self::Surfels(surfels()?),
-            LevelsKind::Codes => Self::Codes(Arc::new(CodedCloud::new(octree?, points, shapes))),
+            LevelsKind::Codes => Self::Codes(Arc::new(CodedCloud::new(octree?, cloud.points, shapes))),
         })
     }
 
@@ -231,6 +230,18 @@ impl CloudRecords<'_> {
     fn octree(&self, stop: StopCriterion) -> Octree {
         let of_points = || self.points.iter().map(|point| point.color).collect();
         let colors = self.colors.map_or_else(|| Cow::Owned(of_points()), Cow::Borrowed);
-        Octree::build(self.positions, &colors, stop)
+        let (cube, positions) = (self.frame.cube(), self.frame.positions());
+        Octree::build_in(cube, positions, &colors, self.in_its_cube(stop))
+    }
+
+    /// Returns a criterion for the cube of the frame: levels are counted from the cube of the sequence's first frame,
+    /// so that one number means cells of one size in all frames.
+    fn in_its_cube(&self, stop: StopCriterion) -> StopCriterion {
+        match stop {
+            StopCriterion::Depth(depth) => {
+                StopCriterion::Depth(depth.saturating_add_signed(self.frame.levels_above_first()))
+            }
+            StopCriterion::Spacing | StopCriterion::Loss(_) | StopCriterion::PointsPerOctant(_) => stop,
+        }
     }
 }

@@ -15,8 +15,9 @@ const LONE_EDGE: f32 = 1.0;
 /// The cube that Morton codes and octrees divide: every cell of every level is a cube too.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cube {
-    /// Smallest corner, relative to the sequence origin.
-    pub min: Vec3,
+    /// Smallest corner, relative to the sequence origin. In f64, as a corner of a [`Lattice`](super::Lattice) may lie
+    /// between two f32.
+    pub min: DVec3,
     /// Edge length; positive and finite.
     pub edge: f32,
 }
@@ -24,7 +25,7 @@ pub struct Cube {
 impl Cube {
     /// The cube of no points.
     pub const EMPTY: Self = Self {
-        min: Vec3::ZERO,
+        min: DVec3::ZERO,
         edge: LONE_EDGE,
     };
 
@@ -42,11 +43,12 @@ impl Cube {
         if bounds.is_empty() {
             return None;
         }
-        let longest = (bounds.max.as_dvec3() - bounds.min.as_dvec3()).max_element();
+        let min = bounds.min.as_dvec3();
+        let longest = (bounds.max.as_dvec3() - min).max_element();
         if longest == 0.0 {
             let edge = LONE_EDGE.max(bounds.max.abs().max_element() / (1 << 20) as f32);
             return Some(Self {
-                min: bounds.min - Vec3::splat(0.5 * edge),
+                min: min - DVec3::splat(0.5 * f64::from(edge)),
                 edge,
             });
         }
@@ -56,7 +58,7 @@ impl Cube {
         } else {
             nearest
         };
-        Some(Self { min: bounds.min, edge })
+        Some(Self { min, edge })
     }
 
     /// Edge of the cells of `level`.
@@ -67,10 +69,10 @@ impl Cube {
     /// Returns the centre of a cell of `level` by its integer coordinates.
     pub fn cell_center(&self, level: u32, cell: [u32; 3]) -> Vec3 {
         let cell = Vec3::from_array(cell.map(|coordinate| coordinate as f32));
-        self.min + (cell + 0.5) * self.cell_edge(level)
+        self.min.as_vec3() + (cell + 0.5) * self.cell_edge(level)
     }
 
-    /// The finest cells that hold `points`. Precondition: the points this cube was made around.
+    /// The finest cells that hold `points`. Precondition: points inside this cube.
     ///
     /// Cells are half-open: a point on the border of two belongs to the upper one, except for the upper faces of the
     /// cube, which belong to the last cells.
@@ -150,7 +152,7 @@ impl Quantizer {
     fn new(cube: &Cube) -> Self {
         let cell = f64::from(cube.edge) / f64::from(FINEST_CELLS);
         Self {
-            min: cube.min.as_dvec3(),
+            min: cube.min,
             cell,
             cells_per_unit: 1.0 / cell,
         }
@@ -219,7 +221,7 @@ mod tests {
     #[test]
     fn the_longest_edge_rules_and_extremes_are_inside() {
         let cube = Cube::around(&[Vec3::new(-1.0, 2.0, 0.0), Vec3::new(0.5, 2.25, 0.125)]).unwrap();
-        assert_eq!(cube.min, Vec3::new(-1.0, 2.0, 0.0));
+        assert_eq!(cube.min, DVec3::new(-1.0, 2.0, 0.0));
         assert_eq!(cube.edge, 1.5);
         assert_eq!(Cube::around(&[]), None);
     }
@@ -269,7 +271,7 @@ mod tests {
             prop_assert_eq!(cube.cells_and_codes(&points), (cube.cells(&points), cube.codes(&points)));
             for (code, point) in cube.codes(&points).into_iter().zip(&points) {
                 prop_assert_eq!(cube.cells(&[*point]), [PackedCell::from_code(code)]);
-                let offset = (point.as_dvec3() - cube.min.as_dvec3()).to_array();
+                let offset = (point.as_dvec3() - cube.min).to_array();
                 for (index, offset) in morton::decode(code).into_iter().zip(offset) {
                     let lower = f64::from(index) * cell_edge;
                     let last = index == FINEST_CELLS - 1;

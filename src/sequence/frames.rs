@@ -2,10 +2,10 @@
 
 use super::detail::Detail;
 use super::error::{FrameError, catch_panic};
-use super::origin::{OriginFinder, OriginFrames};
+use super::space::{SpaceFinder, SpaceFrames};
 use super::stamps::Stamps;
 use crate::assumption::{Assumption, Assumptions, Evidence, Subject};
-use crate::cloud::{CloudError, FoundIn, Frame, Mesh, MissingPoints, NoData, RawCloud, ValueSample, make_holes};
+use crate::cloud::{CloudError, FoundIn, Frame, Mesh, MissingPoints, NoData, RawCloud, Space, ValueSample, make_holes};
 use crate::locks::lock;
 use crate::progress::Progress;
 use crate::rgbd::Filters;
@@ -33,7 +33,7 @@ pub struct Sequence {
     /// Idle decoders for meshes.
     mesh_decoders: Mutex<IdleDecoders>,
     decode_count: AtomicU64,
-    origin: OriginFinder,
+    space: SpaceFinder,
     fps: Option<f64>,
     no_data: NoData,
     stamps: Mutex<Stamps>,
@@ -64,7 +64,7 @@ impl Sequence {
             decoders: Mutex::default(),
             mesh_decoders: Mutex::default(),
             decode_count: AtomicU64::new(0),
-            origin: OriginFinder::default(),
+            space: SpaceFinder::default(),
             fps,
             no_data,
             stamps: Mutex::default(),
@@ -205,16 +205,22 @@ impl Sequence {
     /// Zero unless the coordinates are large against the extent of the cloud; decided by the first frame that can be
     /// read and has a finite point. The first call decodes that frame, and caches it for the next load.
     pub fn origin(&self) -> DVec3 {
-        // It cannot be cancelled.
-        let never = Progress::default();
-        self.origin.origin(self, &never).unwrap_or_default()
+        self.space().origin
     }
 
-    /// Takes the origin of `other` where f32 from there keep the detail, so that the same coordinates of both files
-    /// become the same f32. To be set before the origin is requested; later it changes nothing.
+    /// The space of the frames: see [`Sequence::origin`]. Its cells are those of the cube around the frame that decides
+    /// the origin.
+    pub fn space(&self) -> Space {
+        // It cannot be cancelled.
+        let never = Progress::default();
+        self.space.space(self, &never).unwrap_or_default()
+    }
+
+    /// Takes the space of `other` where f32 from its origin keep the detail, so that the same coordinates of both files
+    /// become the same f32, in the same cells. To be set before the origin is requested; later it changes nothing.
     pub fn share_origin_with(self: &Arc<Self>, other: &Arc<Self>) {
         if !Arc::ptr_eq(self, other) {
-            self.origin.share(Arc::clone(other) as Arc<dyn OriginFrames>);
+            self.space.share(Arc::clone(other) as Arc<dyn SpaceFrames>);
         }
     }
 
@@ -313,14 +319,14 @@ impl Sequence {
 
     /// Returns true if the value ranges belong to a file that has changed since: all frames have to be prepared again.
     pub(crate) fn are_ranges_outdated(&self) -> bool {
-        self.origin.is_sample_outdated()
+        self.space.is_sample_outdated()
     }
 
     /// [`Growth::changed_since`](crate::source::Growth::changed_since): frames that are to be read again.
     pub(crate) fn changed_since(&self, since: usize) -> Vec<usize> {
         let changed = self.source.changed_since(since);
         for &index in &changed {
-            self.origin.forget(index);
+            self.space.forget(index);
         }
         changed
     }
@@ -333,7 +339,7 @@ impl Sequence {
 
     /// [`Sequence::decode`], or the frame decoded to decide the origin and not requested since.
     pub(crate) fn take_decoded(&self, index: usize) -> Result<RawCloud, FrameError> {
-        match self.origin.take_cached(index) {
+        match self.space.take_cached(index) {
             Some(cached) => cached.map(|(raw, _)| raw),
             None => self.decode(index),
         }
@@ -356,9 +362,8 @@ impl Sequence {
     /// # Errors
     /// As [`Sequence::frame`], and [`FrameError::Cancelled`] once `progress` is.
     pub(crate) fn load(&self, index: usize, detail: Detail, progress: &Progress) -> Result<LoadedFrame, FrameError> {
-        let origin = self.origin.origin(self, progress);
-        let origin = origin.ok_or_else(|| self.cancelled(index))?;
-        let (decoded, decoder_ms) = if let Some(cached) = self.origin.take_cached(index) {
+        let space = self.space_observed(progress).ok_or_else(|| self.cancelled(index))?;
+        let (decoded, decoder_ms) = if let Some(cached) = self.space.take_cached(index) {
             let (raw, decoder_ms) = cached?;
             (raw.into(), decoder_ms)
         } else {
@@ -370,13 +375,13 @@ impl Sequence {
         let mut decoded = decoded;
         self.drop_missing(&mut decoded.cloud, None);
         if matches!(detail, Detail::Full) && !decoded.cloud.positions.is_empty() {
-            self.origin
-                .renew_sample(index, || self.sample_of(index, &decoded.cloud, origin));
+            self.space
+                .renew_sample(index, || self.sample_of(index, &decoded.cloud, space.origin));
         }
         let has_levels = decoded.level.is_some();
-        let frame = validated(decoded, origin, detail).and_then(Frame::drawable);
+        let frame = validated(decoded, space, detail).and_then(Frame::drawable);
         let frame = frame.map_err(|reason| self.invalid(index, reason))?;
-        if let Some(sample) = self.origin.sample() {
+        if let Some(sample) = self.space.sample() {
             frame.share_sample(sample);
         }
         Ok(LoadedFrame {
@@ -393,13 +398,12 @@ impl Sequence {
     /// # Errors
     /// As [`Sequence::load`].
     pub(crate) fn load_mesh(&self, index: usize, progress: &Progress) -> Result<Mesh, FrameError> {
-        let origin = self.origin.origin(self, progress);
-        let origin = origin.ok_or_else(|| self.cancelled(index))?;
+        let space = self.space_observed(progress).ok_or_else(|| self.cancelled(index))?;
         // A separate decoder: opening a mesh as points costs nothing more, at the price that a frame drawn as triangles
         // is decoded twice.
         let decoder = || self.source.mesh_decoder();
         let decoded = self.decode_with(&self.mesh_decoders, decoder, index, Detail::Full, progress)?;
-        Mesh::from_raw(decoded.cloud, origin).map_err(|reason| self.invalid(index, reason))
+        Mesh::from_raw(decoded.cloud, space.origin).map_err(|reason| self.invalid(index, reason))
     }
 
     /// Makes holes of the points that stand for no measurement, and remembers that. Images of a depth camera have holes
@@ -444,15 +448,15 @@ impl Sequence {
         });
         let (mut sample, point_count) = sampled.ok().flatten()?;
         let present = self.drop_missing(&mut sample.cloud, Some(point_count)).bounds;
-        let origin = match index {
+        let space = match index {
             // The sample already determines the origin, so that the camera stays in place when all points have arrived.
-            0 => self.origin.decided_by(present)?,
-            _ => self.origin.known()?,
+            0 => self.space.decided_by(present)?,
+            _ => self.space.known()?,
         };
         let decoder_ms = milliseconds_since(start) as f32;
         let frame = match sample.level {
-            Some(_) => validated(sample, origin, Detail::Full),
-            None => Frame::from_sampled(sample.cloud, origin, point_count),
+            Some(_) => validated(sample, space, Detail::Full),
+            None => Frame::from_sampled(sample.cloud, space, point_count),
         };
         let frame = frame.and_then(Frame::drawable).ok()?;
         Some(LoadedFrame {
@@ -464,28 +468,28 @@ impl Sequence {
 
     /// Bytes of the decoded frame cached since the origin was decided.
     pub(crate) fn cached_bytes(&self) -> usize {
-        self.origin.cached_bytes()
+        self.space.cached_bytes()
     }
 
     /// Gives the memory of [`Sequence::cached_bytes`] back; the frame is decoded again when it is wanted.
     pub(crate) fn drop_cached(&self) {
-        self.origin.drop_cached();
+        self.space.drop_cached();
     }
 }
 
-/// The points of `decoded` relative to `origin`, no more than `detail` asks for.
-fn validated(decoded: DecodedFrame, origin: DVec3, detail: Detail) -> Result<Frame, CloudError> {
+/// The points of `decoded` in `space`, no more than `detail` asks for.
+fn validated(decoded: DecodedFrame, space: Space, detail: Detail) -> Result<Frame, CloudError> {
     let DecodedFrame { cloud, level } = decoded;
     match level {
         Some(DecodedLevel {
             points_in_frame,
             points_of_finer,
         }) if cloud.positions.len() < points_in_frame => {
-            Frame::from_level(cloud, origin, points_in_frame, points_of_finer)
+            Frame::from_level(cloud, space, points_in_frame, points_of_finer)
         }
         // Before sorting, colouring and estimation, so that all stages have less work. Levels of the octree look
         // slightly better, but need the whole frame sorted first, and the time does not allow that.
-        _ => Frame::from_raw_sample(cloud, origin, detail.max_points()),
+        _ => Frame::from_raw_sample(cloud, space, detail.max_points()),
     }
 }
 
@@ -514,7 +518,7 @@ fn take_idle(
     Some(idle.remove(place).1)
 }
 
-impl OriginFrames for Sequence {
+impl SpaceFrames for Sequence {
     fn frame_count(&self) -> usize {
         self.len()
     }
@@ -554,8 +558,8 @@ impl OriginFrames for Sequence {
         places.into_iter().filter_map(sample).collect()
     }
 
-    fn origin_observed(&self, progress: &Progress) -> Option<DVec3> {
-        self.origin.origin(self, progress)
+    fn space_observed(&self, progress: &Progress) -> Option<Space> {
+        self.space.space(self, progress)
     }
 }
 

@@ -26,10 +26,10 @@ mod frames;
 mod gaps;
 mod loader;
 mod needs;
-mod origin;
 mod prepare;
 mod records;
 mod scaled;
+mod space;
 mod stamps;
 mod watch;
 

@@ -60,7 +60,7 @@ fn octrees_contain_the_cells_of_their_points() {
             let expected: BTreeSet<[u32; 3]> = positions
                 .iter()
                 .map(|position| {
-                    let share = (position.as_dvec3() - cube.min.as_dvec3()) / f64::from(cube.edge);
+                    let share = (position.as_dvec3() - cube.min) / f64::from(cube.edge);
                     share
                         .to_array()
                         .map(|share| (share * along).floor().min(along - 1.0) as u32)

@@ -2,10 +2,11 @@
 
 use crate::app::State;
 use crate::app::meter::Redraw;
-use crate::app::widgets::numbers::{bytes, grouped};
+use crate::app::widgets::numbers::bytes;
 use crate::app::widgets::rows::heading_of_list;
 use crate::levels::LevelsSize;
 use crate::levels::octree::Octree;
+use crate::messages::grouped;
 use crate::playback::Player;
 use crate::scene::{LevelStructure, SceneStats, ScreenStats};
 use crate::sequence::PreparedFrame;

@@ -41,6 +41,7 @@ pub(in crate::app) use reading::PictureStage;
 pub use shared::Shared;
 pub use stored::Stored;
 
+use crate::messages::grouped;
 use main_picture::MainPicture;
 
 use crate::app::appearance::Appearance;
@@ -234,11 +235,11 @@ impl State {
                 feature.forget_frame(self, frame);
             }
             self.notices
-                .dismiss_begun(&format!("Frame {} of ", frame + 1), " is skipped.");
+                .dismiss_begun(&format!("Frame {} of ", grouped(frame + 1)), " is skipped.");
             self.opening.looked.is_outdated |= self.opening.looked.first.is_some_and(|(index, _)| index == frame);
         }
         if let Some(failure) = change.new_failure {
-            let place = failure.index() + 1;
+            let [place, count] = [failure.index() + 1, count].map(grouped);
             self.notices
                 .error(format!("Frame {place} of {count} is skipped. {failure}"));
         }

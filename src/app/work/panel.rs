@@ -2,6 +2,7 @@
 
 use super::works::{Work, WorkKind};
 use crate::app::work::works::left_text;
+use crate::messages::grouped;
 use crate::printable;
 use crate::waiting::waits;
 use egui::{Frame, ProgressBar, Role, Ui, WidgetInfo};
@@ -40,7 +41,7 @@ pub(in crate::app) fn bar(ui: &mut Ui, work: &Work, now: Duration) {
         return;
     };
     let progress = work.progress();
-    let (done, of) = (progress.done(), progress.of().unwrap_or(0));
+    let [done, of] = [progress.done(), progress.of().unwrap_or(0)].map(grouped);
     let so_far = match work.kind {
         WorkKind::Open => format!("files {done} of {of}"),
         WorkKind::Read => format!("{:.0} %", (100.0 * share).floor()),

@@ -3,6 +3,7 @@
 use crate::cli::terminal::output::{answer, say};
 use crate::export::{PictureFormat, encode_picture};
 use crate::measure::{PixelDifference, SSIM_WINDOW_PX, SsimError, flip, mean_squared_error, psnr_db, ssim};
+use crate::messages::grouped;
 use crate::persist::write_whole;
 use crate::regular_file;
 use anyhow::{Context as _, anyhow, bail};
@@ -129,9 +130,10 @@ fn table(comparison: &Comparison, pixel_count: u64) -> String {
     );
     let flip = format!("{:.5} mean, {:.5} largest", comparison.flip_mean, comparison.flip_max);
     let different = format!(
-        "{:.2} % ({} of {pixel_count})",
+        "{:.2} % ({} of {})",
         100.0 * comparison.different_share,
-        comparison.different_pixels
+        grouped(comparison.different_pixels),
+        grouped(pixel_count)
     );
     let rows = [
         ("reference", reference.clone()),

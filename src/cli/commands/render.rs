@@ -13,7 +13,7 @@ use crate::cli::terminal::{assumptions, warnings};
 use crate::document::Document;
 use crate::export::{FRAME_PLACEHOLDER, Picture, PictureFormat, has_placeholder, numbered, write_picture, write_png};
 use crate::headless::{Headless, PictureStats};
-use crate::messages::frame_with_index;
+use crate::messages::{frame_with_index, grouped};
 use crate::render::AnyRenderer;
 use crate::scene::{Camera, Primitive, Settings, Style};
 use crate::sequence::{ColorSource, Loader, LoaderOptions};
@@ -130,7 +130,11 @@ pub(in crate::cli) fn run(arguments: &RenderArgs) -> anyhow::Result<()> {
     match failed.as_slice() {
         [] => Ok(()),
         [(_, error)] if asked == 1 => bail!("{error}"),
-        failed => bail!("{} of {asked} frames could not be rendered", failed.len()),
+        failed => bail!(
+            "{} of {} frames could not be rendered",
+            grouped(failed.len()),
+            grouped(asked)
+        ),
     }
 }
 

@@ -75,8 +75,13 @@ impl Step for TrailsStep {
             .iter()
             .map(|look| self.tube(look, composed.pose.index, radius));
         let tubes: Vec<Ghost> = tubes.collect::<Result<_, _>>()?;
-        // Tubes have enough points to make a loss criterion divide the frame's cells as well.
-        let depth = frame.levels.octree().map(|octree| octree.depth());
+        // Tubes have enough points to make a loss criterion divide the frame's cells as well. Levels of a criterion are
+        // counted from the first frame's cube.
+        let above_first = frame.frame.levels_above_first();
+        let depth = frame
+            .levels
+            .octree()
+            .map(|octree| octree.depth().saturating_add_signed(-above_first));
         let levels = self.needs.levels.zip(depth).map(|(levels, depth)| LevelsKey {
             stop: StopCriterion::Depth(depth),
             ..levels

@@ -28,10 +28,17 @@ impl Octree {
     /// # Panics
     /// Preconditions: finite positions, one colour a point, at most 2³¹ points.
     pub fn build(positions: &[Vec3], colors: &[[u8; 4]], stop: StopCriterion) -> Self {
+        Self::build_in(Cube::around(positions).unwrap_or(Cube::EMPTY), positions, colors, stop)
+    }
+
+    /// [`Octree::build`] in another cube around the points.
+    ///
+    /// # Panics
+    /// Preconditions: those of [`Octree::build`], and points inside the cube.
+    pub fn build_in(cube: Cube, positions: &[Vec3], colors: &[[u8; 4]], stop: StopCriterion) -> Self {
         assert_eq!(positions.len(), colors.len(), "one colour for each point");
         // Enters the thread pool once, instead of for each parallel stage.
         rayon::scope(|_| {
-            let cube = Cube::around(positions).unwrap_or(Cube::EMPTY);
             let points = SortedPoints::new(&cube, positions, colors);
             Self::divided(cube, Arc::new(points), stop)
         })

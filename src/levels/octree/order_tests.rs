@@ -29,7 +29,7 @@ fn cells_in_order(tree: &Octree, view: &SelectView) -> Vec<[u32; 3]> {
 /// Returns the distance from the eye to the nearest point of a cell of a level.
 fn distance(tree: &Octree, eye: Vec3, level: u32, cell: [u32; 3]) -> f64 {
     let edge = f64::from(tree.cube().cell_edge(level));
-    let low = tree.cube().min.as_dvec3() + edge * DVec3::from_array(cell.map(f64::from));
+    let low = tree.cube().min + edge * DVec3::from_array(cell.map(f64::from));
     let nearest = eye.as_dvec3().clamp(low, low + edge);
     nearest.distance(eye.as_dvec3())
 }
@@ -42,7 +42,7 @@ fn potential_occluders_come_first() {
     for count in [4_000, 40_000] {
         let positions: Vec<Vec3> = (0..count).map(|_| random.cube()).collect();
         let tree = Octree::build(&positions, &vec![[0; 4]; count], StopCriterion::Depth(5));
-        let (min, edge) = (tree.cube().min.as_dvec3(), f64::from(tree.cube().edge));
+        let (min, edge) = (tree.cube().min, f64::from(tree.cube().edge));
         let (mut met, mut whole) = (0, 0);
         for _ in 0..40 {
             let eye = random.cube() * 3.0;

@@ -65,7 +65,7 @@ mod tests {
             let tree = Octree::build(&positions, &colors, stop);
             let cell = |level: u32, point: Vec3| {
                 let cells = f64::from(level).exp2();
-                let place = (point - cube.min).as_dvec3() / f64::from(cube.edge);
+                let place = (point.as_dvec3() - cube.min) / f64::from(cube.edge);
                 (place * cells).floor().min(glam::DVec3::splat(cells - 1.0))
             };
             let squared = |point: &Vec3| {
@@ -76,7 +76,7 @@ mod tests {
                 };
                 let level = max.map_or(tree.depth(), |_| (0..=LEVELS).find(are_few).unwrap());
                 let edge = f64::from(cube.edge) / f64::from(level).exp2();
-                let center = (cell(level, *point) + 0.5) * edge + cube.min.as_dvec3();
+                let center = (cell(level, *point) + 0.5) * edge + cube.min;
                 point.as_dvec3().distance_squared(center)
             };
             let expected = positions.iter().map(squared).sum::<f64>() / positions.len() as f64;

@@ -198,7 +198,7 @@ impl Traversal<'_> {
             }
         }
         let edge = self.levels[level as usize].edge;
-        let min = self.tree.cube.min;
+        let min = self.tree.cube.min.as_vec3();
         let [x, y, z] = cells;
         [
             centers_along(simd, x, edge, min.x),

@@ -39,7 +39,7 @@ impl PartialEq for SortedPoints {
 }
 
 impl SortedPoints {
-    /// Sorts points with these colours. Precondition: `cube` is the one around them.
+    /// Sorts points with these colours. Precondition: points inside the cube.
     pub(super) fn new(cube: &Cube, positions: &[Vec3], colors: &[[u8; 4]]) -> Self {
         let in_order = |positions| {
             let cells = cube.cells(positions);

@@ -18,7 +18,7 @@ fn cells_by_brute_force(positions: &[Vec3], colors: &[[u8; 4]], level: u32) -> B
     let cells_along = f64::from(1u32 << level);
     let mut cells = BTreeMap::new();
     for (position, color) in positions.iter().zip(colors) {
-        let share = (position.as_dvec3() - cube.min.as_dvec3()) / f64::from(cube.edge);
+        let share = (position.as_dvec3() - cube.min) / f64::from(cube.edge);
         let cell = share
             .to_array()
             .map(|share| (share * cells_along).floor().min(cells_along - 1.0) as u32);
@@ -358,7 +358,7 @@ fn visible_by_brute_force(
 
 pub(super) fn cell_of(tree: &Octree, voxel: &VoxelRecord) -> (u32, [u32; 3]) {
     let level = u32::from(voxel.level);
-    let offset = (Vec3::from_array(voxel.center) - tree.cube().min) / tree.cube().cell_edge(level);
+    let offset = (Vec3::from_array(voxel.center) - tree.cube().min.as_vec3()) / tree.cube().cell_edge(level);
     (level, offset.to_array().map(|coordinate| coordinate as u32))
 }
 

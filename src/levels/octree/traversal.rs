@@ -92,7 +92,7 @@ impl Octree {
 
     /// A bound for the rounding of distances between `eye` and anything in the cube.
     fn distance_slack(&self, eye: Vec3) -> f32 {
-        let reach = self.cube.min.abs().max_element() + self.cube.edge + eye.abs().max_element();
+        let reach = self.cube.min.as_vec3().abs().max_element() + self.cube.edge + eye.abs().max_element();
         4.0 * f32::EPSILON * reach
     }
 }
@@ -168,7 +168,7 @@ impl Traversal<'_> {
         cut.tested.nodes += 1;
         let limits = self.levels[node.level as usize];
         let [x, y, z] = cell.map(|coordinate| coordinate as f32);
-        let center = self.tree.cube.min + (Vec3::new(x, y, z) + 0.5) * limits.edge;
+        let center = self.tree.cube.min.as_vec3() + (Vec3::new(x, y, z) + 0.5) * limits.edge;
         let Some(planes) = self.planes_left(center, limits.sphere_radius, planes) else {
             return;
         };

@@ -70,7 +70,7 @@ impl Octree {
     fn voxel_writer(&self) -> VoxelWriter<'_> {
         VoxelWriter {
             points: &self.points,
-            min: self.cube.min,
+            min: self.cube.min.as_vec3(),
             edge: self.cube.edge,
         }
     }

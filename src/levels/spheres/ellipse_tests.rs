@@ -1,7 +1,7 @@
 //! Ellipses of nodes against the points below.
 
 use super::split::Child;
-use super::tests::{points_below, torus, tree_of, view_to};
+use super::tests::{cube_around, points_below, torus, tree_of, view_to};
 use super::*;
 use crate::cloud::{decode_ellipse, oct_decode};
 use crate::levels::LodMetric;
@@ -16,7 +16,7 @@ fn node_ellipses_have_the_second_moments_of_their_points() {
         ..*shape
     };
     let shapes: Arc<Vec<ShapeRecord>> = Arc::new((0..).zip(disks.iter()).map(thin).collect());
-    let tree = SphereTree::build(&points, &shapes, Precision::Exact);
+    let tree = SphereTree::build(&cube_around(&points), &points, &shapes, Precision::Exact);
     let round = tree_of(&(Arc::clone(&points), disks), Precision::Exact);
     assert!(round.nodes.iter().all(|node| node.ellipse == 0), "disks stay disks");
     for (index, node) in tree.nodes.iter().enumerate() {
@@ -78,7 +78,7 @@ fn sphere_sequences_draw_node_ellipses() {
         SphereKind::Printed,
         SphereKind::QSplat,
     ] {
-        let levels = SphereLevels::build(kind, Arc::clone(&points), Arc::clone(&shapes));
+        let levels = SphereLevels::build(kind, cube_around(&points), Arc::clone(&points), Arc::clone(&shapes));
         let view = view_to(Vec3::new(0.0, 3.0, 9.0), Vec3::ZERO, 30.0, LodMetric::Edge);
         let cut = levels.cut(&view, CutHints::default());
         let Records::Surfels { shapes: drawn, .. } = levels.write(&cut, usize::MAX, RecordBuffers::default()) else {

@@ -35,6 +35,7 @@ use super::cut::{Cut, CutHints, SelectView};
 use super::selection::{CachedNodes, NodeRecords, Selection};
 use super::structure::{Levels, LevelsSize, RecordBuffers, Records};
 use crate::cloud::{PointRecord, ShapeRecord};
+use crate::math::Cube;
 use filter::Tested;
 use printed::PrintedSequence;
 use qsplat::QSplat;
@@ -78,14 +79,14 @@ impl SphereLevels {
     /// Builds the tree of these records, on all threads.
     ///
     /// # Panics
-    /// Preconditions: the same number of both, in the Morton order of the cube around the points.
-    pub fn build(kind: SphereKind, points: Arc<Vec<PointRecord>>, shapes: Arc<Vec<ShapeRecord>>) -> Self {
+    /// Preconditions: the same number of both, in the Morton order of a cube around the points.
+    pub fn build(kind: SphereKind, cube: Cube, points: Arc<Vec<PointRecord>>, shapes: Arc<Vec<ShapeRecord>>) -> Self {
         let precision = if kind == SphereKind::QSplat {
             Precision::Coded
         } else {
             Precision::Exact
         };
-        let tree = SphereTree::build(&points, &shapes, precision);
+        let tree = SphereTree::build(&cube, &points, &shapes, precision);
         let structure = match kind {
             SphereKind::QSplat => Structure::QSplat(QSplat::of(&tree, &points, &shapes)),
             SphereKind::Sequential => Structure::Sequential(SequentialTree::of(&tree, usize::MAX)),

@@ -53,8 +53,14 @@ fn odd_cloud() -> Records {
     records(&positions, |index| normals[index], 0.0)
 }
 
+/// The cube around some points.
+pub(super) fn cube_around(points: &[PointRecord]) -> Cube {
+    let positions: Vec<Vec3> = points.iter().map(|point| Vec3::from_array(point.position)).collect();
+    Cube::around(&positions).unwrap_or(Cube::EMPTY)
+}
+
 pub(super) fn tree_of((points, shapes): &Records, precision: Precision) -> SphereTree {
-    SphereTree::build(points, shapes, precision)
+    SphereTree::build(&cube_around(points), points, shapes, precision)
 }
 
 /// A coded tree, and one that is not.
@@ -363,7 +369,7 @@ fn structures(of: &Records) -> Vec<SphereLevels> {
         SphereKind::Hierarchical,
     ];
     kinds
-        .map(|kind| SphereLevels::build(kind, Arc::clone(&of.0), Arc::clone(&of.1)))
+        .map(|kind| SphereLevels::build(kind, cube_around(&of.0), Arc::clone(&of.0), Arc::clone(&of.1)))
         .into()
 }
 

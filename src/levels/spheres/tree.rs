@@ -59,12 +59,11 @@ impl SphereTree {
     /// The tree of these points.
     ///
     /// # Panics
-    /// Preconditions: points in Morton order of the cube around them, the same number of both.
-    pub(super) fn build(points: &[PointRecord], shapes: &[ShapeRecord], precision: Precision) -> Self {
+    /// Preconditions: points in Morton order of a cube around them, the same number of both.
+    pub(super) fn build(cube: &Cube, points: &[PointRecord], shapes: &[ShapeRecord], precision: Precision) -> Self {
         assert_eq!(points.len(), shapes.len(), "one shape a point");
         let positions: Vec<Vec3> = points.iter().map(|point| Vec3::from_array(point.position)).collect();
-        let codes = Cube::around(&positions).map_or_else(Vec::new, |cube| cube.codes(&positions));
-        let division = Division::of(&codes);
+        let division = Division::of(&cube.codes(&positions));
         let summaries = summaries(&division, points, shapes);
         let (mut nodes, codes) = match precision {
             Precision::Exact => (nested(&division, &summaries, Node::nested), Vec::new()),

@@ -205,7 +205,8 @@ fn single_floats_convert_to_the_same_doubles() {
 fn sequence(scale: f32) -> SphereLevels {
     let torus = test_shapes::torus(4000, 0.4, &mut Random(5));
     let positions: Vec<Vec3> = torus.positions.iter().map(|&position| position * scale).collect();
-    let order = order_of_codes(&Cube::around(&positions).unwrap().codes(&positions));
+    let cube = Cube::around(&positions).unwrap();
+    let order = order_of_codes(&cube.codes(&positions));
     let at = || order.iter().map(|&index| index as usize);
     let point = |index: usize| PointRecord {
         position: positions[index].to_array(),
@@ -218,7 +219,7 @@ fn sequence(scale: f32) -> SphereLevels {
         scalar: index as f32,
     };
     let (points, shapes) = (at().map(point).collect(), at().map(shape).collect());
-    let levels = SphereLevels::build(SphereKind::Sequential, Arc::new(points), Arc::new(shapes));
+    let levels = SphereLevels::build(SphereKind::Sequential, cube, Arc::new(points), Arc::new(shapes));
     let view = view(Vec3::splat(scale), scale, 0.0, LodMetric::Edge);
     let cut = levels.cut(&view, CutHints::default());
     while levels.select(&cut, &mut RecordBuffers::default()).is_none() {}

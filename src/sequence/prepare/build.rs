@@ -144,7 +144,7 @@ impl Build<'_> {
     ) -> LevelsSet {
         let shapes = self.shapes.as_ref().map(|(shapes, _)| shapes);
         let cloud = CloudRecords {
-            positions: self.frame.positions(),
+            frame: &self.frame,
             colors: self.frame.colors().filter(|_| *paint == Paint::File),
             points,
             shapes: shapes.filter(|_| needs.shapes),

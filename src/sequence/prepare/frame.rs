@@ -132,7 +132,7 @@ impl PreparedFrame {
         let points = points.map(|(&point, &color)| PointRecord { color, ..point });
         let points = Arc::new(points.collect::<Vec<_>>());
         let levels = self.levels.made_of(&CloudRecords {
-            positions: self.frame.positions(),
+            frame: &self.frame,
             colors: Some(colors),
             points: &points,
             shapes: self.shapes.as_ref(),
@@ -173,7 +173,7 @@ impl PreparedFrame {
         textured.curved = curved_surface(&self.frame, &self.points, of_points, &is_outlier);
         if let Some(shapes) = shrunk {
             textured.levels = self.levels.made_of(&CloudRecords {
-                positions: self.frame.positions(),
+                frame: &self.frame,
                 colors: self.frame.colors().filter(|_| self.paint == Paint::File),
                 points: &self.points,
                 shapes: Some(&shapes),

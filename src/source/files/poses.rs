@@ -10,6 +10,7 @@
 use super::registered::are_registered;
 use super::{nuscenes, oxts};
 use crate::assumption::{Assumption, Evidence, Subject};
+use crate::messages::grouped;
 use crate::natural::{natural_order, split_name};
 use crate::source::FrameEntry;
 use crate::source::rgbd::{INVERT_POSES, Trajectory, last_number, matrix, number_lines, read_pose, read_text, rigid};
@@ -107,8 +108,9 @@ pub(super) fn place(
     let lost = poses.iter().filter(|pose| pose.is_none()).count();
     if lost > 0 {
         found.notes.push(format!(
-            "{lost} of {} frames have no pose in {}: they stay in the coordinates of their sensor",
-            entries.len(),
+            "{} of {} frames have no pose in {}: they stay in the coordinates of their sensor",
+            grouped(lost),
+            grouped(entries.len()),
             why
         ));
     }
@@ -123,7 +125,7 @@ pub(super) fn place(
     if given.is_some() {
         return Ok(found);
     }
-    let value = format!("{} of {} frames", poses.len() - lost, entries.len());
+    let value = format!("{} of {} frames", grouped(poses.len() - lost), grouped(entries.len()));
     let why = format!("{why}; sensor to world, {INVERT_POSES} says the opposite");
     found.assumption = Some(Assumption::new(Subject::Poses, value, why, Evidence::File));
     Ok(found)

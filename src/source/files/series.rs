@@ -11,6 +11,7 @@
 use super::kinds;
 use super::names::{Minus, SplitName, is_folder_per_frame, telling_name};
 use crate::assumption::{Assumption, Evidence, Subject};
+use crate::messages::grouped;
 use crate::natural::{natural_order, split_name};
 use crate::source::error::OpeningChoice;
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -82,7 +83,12 @@ pub(super) fn choose(files: Vec<PathBuf>) -> Result<Chosen, Vec<OpeningChoice>> 
         });
     }
     let assumption = (!skipped.is_empty()).then(|| {
-        let value = format!("{} of {total} files, {}", frames.len(), pattern_of(&frames, &skipped));
+        let value = format!(
+            "{} of {} files, {}",
+            grouped(frames.len()),
+            grouped(total),
+            pattern_of(&frames, &skipped)
+        );
         if has_faces_alone && copies + odd_clouds == 0 {
             let why = "an array of mesh faces next to its vertices holds no points";
             Assumption::new(Subject::Frames, value, why, Evidence::Convention)

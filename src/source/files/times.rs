@@ -4,6 +4,7 @@
 use super::names::{decimals_of, is_folder_per_frame, telling_name};
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::io::files::timestamps::{time_of_number, times_of_names};
+use crate::messages::grouped;
 use crate::source::FrameEntry;
 use std::collections::HashSet;
 use std::fs;
@@ -155,15 +156,16 @@ fn read_list(path: &Path) -> Result<(Vec<Duration>, Option<String>), String> {
     let note = match bad.as_slice() {
         [] => None,
         [one] => Some(format!(
-            "time {one} of {} is none, or before the one in front of it: its frame is shown between its neighbours",
-            times.len()
+            "time {} of {} is none, or before the one in front of it: its frame is shown between its neighbours",
+            grouped(one),
+            grouped(times.len())
         )),
         many => Some(format!(
             "{} of {} times are none, or before those in front of them, the first is time {}: their frames are shown \
              between their neighbours",
-            many.len(),
-            times.len(),
-            many[0]
+            grouped(many.len()),
+            grouped(times.len()),
+            grouped(many[0])
         )),
     };
     Ok((times, note))

@@ -4,7 +4,7 @@ use super::error::RgbdError;
 use super::joined::Merged;
 use super::recording::RgbdRecording;
 use crate::cloud::{Positions, RawCloud};
-use crate::messages::{frames_with_indices, missing_frames};
+use crate::messages::{frames_with_indices, grouped, missing_frames};
 use crate::photos::{DepthCamera, DepthFile, Photo, ViewSet};
 use crate::progress::Progress;
 use crate::rgbd::{Camera, Filters, Sensor, put_on_planes};
@@ -59,7 +59,7 @@ impl MergedFrames {
         if posed < last - first + 1 {
             notes.push(format!(
                 "{} of {} have no pose and are skipped",
-                last - first + 1 - posed,
+                grouped(last - first + 1 - posed),
                 frames_with_indices(first, last)
             ));
         }

@@ -14,7 +14,7 @@ use super::{probe, recorders};
 use crate::assumption::{Assumption, Evidence, Subject};
 use crate::io::files::timestamps::times_of_names;
 use crate::io::{Entry, Part};
-use crate::messages::frame_by_index;
+use crate::messages::{frame_by_index, grouped};
 use crate::rgbd::{Filters, Sensor};
 use crate::source::files::number;
 use crate::source::{
@@ -234,8 +234,8 @@ fn note_of_poses(found: &FoundRecording) -> Option<String> {
     let first = *without.first().filter(|_| without.len() < found.frames.len())?;
     Some(format!(
         "{} of {} frames have no pose (the camera was lost), the first is {}",
-        without.len(),
-        found.frames.len(),
+        grouped(without.len()),
+        grouped(found.frames.len()),
         frame_by_index(first)
     ))
 }

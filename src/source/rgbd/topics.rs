@@ -25,6 +25,7 @@ use crate::io::recordings::recording::camera::{
     CameraInfo, CameraMessage, CameraTopic, CameraTopics, ImageHead, Link, Window, camera_info, extrinsics, head,
     links, number,
 };
+use crate::messages::grouped;
 use crate::source::OpenOptions;
 use glam::DAffine3;
 use std::cmp::Reverse;
@@ -296,8 +297,9 @@ impl RosRecording<'_> {
         let alone = frames.iter().filter(|frame| frame.color.is_none()).count();
         if let Some(color) = color.filter(|_| alone > 0) {
             notes.push(format!(
-                "{alone} of {} depth images have no colour image of {} within 20 ms: their points have no colours",
-                frames.len(),
+                "{} of {} depth images have no colour image of {} within 20 ms: their points have no colours",
+                grouped(alone),
+                grouped(frames.len()),
                 color.topic.name
             ));
         }

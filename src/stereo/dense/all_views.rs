@@ -8,6 +8,7 @@
 
 use super::cloud::cloud;
 use crate::cloud::RawCloud;
+use crate::messages::grouped;
 use crate::photos::{Extent, Photo, PhotosError, PreparedPhoto, ViewSet};
 use crate::progress::Progress;
 use crate::rgbd::{ColorImage, DepthImage};
@@ -115,8 +116,8 @@ impl Dense {
         if swept.len() < small.len() {
             reasons.push(format!(
                 "depths were computed for {} of {} images, evenly chosen: all would take long and show the same",
-                swept.len(),
-                small.len()
+                grouped(swept.len()),
+                grouped(small.len())
             ));
         }
         let mut maps = Vec::with_capacity(swept.len());

@@ -11,7 +11,7 @@ use std::collections::HashSet;
 /// Cell of a level that holds `position`, by division in f64; the upper faces of the cube belong to the last cells.
 fn cell_of(cube: &Cube, position: Vec3, level: u32) -> [u32; 3] {
     let along = f64::from(1u32 << level);
-    let share = (position.as_dvec3() - cube.min.as_dvec3()) / f64::from(cube.edge);
+    let share = (position.as_dvec3() - cube.min) / f64::from(cube.edge);
     share
         .to_array()
         .map(|share| (share * along).floor().min(along - 1.0) as u32)
@@ -46,7 +46,7 @@ pub(crate) fn check_octree(name: &str, tree: &Octree, positions: &[Vec3], delta:
     assert_eq!(drawn.len(), leaves.len(), "{name}");
     let half_diagonal = 0.75f64.sqrt() * f64::from(cube.edge) / f64::from(1u32 << depth);
     // Centres are f32 like the positions.
-    let reach = cube.min.abs().max_element() + cube.edge;
+    let reach = cube.min.as_vec3().abs().max_element() + cube.edge;
     let rounding = 4.0 * f64::from(f32::EPSILON * reach);
     let centers: std::collections::HashMap<_, _> = drawn
         .iter()

@@ -3,6 +3,7 @@
 
 use super::{ClipFit, ClippedFrames, Clipping};
 use crate::app::widgets::rows::{choice, row, rows};
+use crate::messages::grouped;
 use crate::scene::{Clip, ClipShape};
 use egui::{Button, Checkbox, DragValue, Ui};
 use glam::DVec3;
@@ -99,7 +100,8 @@ fn fits(ui: &mut Ui, clip: &mut Clip, clipping: &mut Clipping, frames: &ClippedF
     if clipping.is_around_all(clip) && all.known < all.count {
         ui.weak(format!(
             "Around the {} of {} frames that were read",
-            all.known, all.count
+            grouped(all.known),
+            grouped(all.count)
         ));
     }
 }

@@ -2,10 +2,11 @@
 
 use super::{Anchor, Inspected, Inspection, Tool};
 use crate::app::side::Side;
-use crate::app::widgets::numbers::{grouped, significant, with_unit};
+use crate::app::widgets::numbers::{significant, with_unit};
 use crate::app::widgets::tool_window::tool_window;
 use crate::cloud::LengthUnit;
 use crate::composition::TrailMeasure;
+use crate::messages::grouped;
 use crate::scene::{Camera, Pick, PickedNormal, Projection};
 use egui::{Button, Grid, Pos2, RichText, ScrollArea, Ui, vec2};
 use glam::DVec3;
@@ -92,7 +93,7 @@ fn value_rows(point: &Inspected, context: &PointContext<'_>) -> Vec<ValueRow> {
     }
     rows.extend([
         ValueRow {
-            shown: format!("{} of {}", values.frame + 1, context.frame_count),
+            shown: format!("{} of {}", grouped(values.frame + 1), grouped(context.frame_count)),
             ..ValueRow::new("Frame", (values.frame + 1).to_string(), "The frame, counted from 1")
         },
         ValueRow {

@@ -17,6 +17,7 @@ use crate::app::work::outcome::Message;
 use crate::app::work::pool::PoolBehindDrawing;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::composition::{PHOTO_BYTES, on_surface};
+use crate::messages::grouped;
 use crate::photos::{LoadedPhotos, PosedImages, ReprojectionError, ViewSet};
 use crate::playback::Player;
 use crate::progress::Progress;
@@ -265,7 +266,7 @@ impl Photos {
         let count = set.photos.len();
         let (done, of) = (progress.done(), progress.of().unwrap_or(count));
         Some(if of <= count {
-            format!("Loading image {done} of {of}")
+            format!("Loading image {} of {}", grouped(done), grouped(of))
         } else {
             let percent = 100 * done / of;
             format!("Reconstructing the surface from {count} images, {percent}\u{2009}%")

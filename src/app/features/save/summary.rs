@@ -1,8 +1,9 @@
 //! An estimate in words: a quantity and its value per line.
 
 use super::plan::Savable;
-use crate::app::widgets::numbers::{bytes, grouped, rounded_to};
+use crate::app::widgets::numbers::{bytes, rounded_to};
 use crate::convert::{Estimate, EstimatedErrors};
+use crate::messages::grouped;
 
 /// A line: quantity, value, and explanation.
 pub(super) type Line = (&'static str, String, &'static str);

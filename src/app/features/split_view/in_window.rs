@@ -17,6 +17,7 @@ use crate::app::work::tasks::close;
 use crate::composition::{Composed, PictureView};
 use crate::document::{Compared, ComparedBy, ComparedLayout, Document};
 use crate::math::Aabb;
+use crate::messages::grouped;
 use crate::playback::{Companion, PairBy, PlayerChange};
 use crate::scene::ScenePacket;
 use crate::sequence::{LoaderOptions, OpenOptions, Sequence, watch};
@@ -179,8 +180,8 @@ impl State {
         };
         let sequence = split_view.companion.sequence();
         if let Some(failure) = change.new_failure {
-            let place = failure.index() + 1;
-            let (count, name) = (sequence.len(), &split_view.name);
+            let [place, count] = [failure.index() + 1, sequence.len()].map(grouped);
+            let name = &split_view.name;
             self.notices
                 .error(format!("Frame {place} of {count} of B ({name}) is skipped. {failure}"));
         }

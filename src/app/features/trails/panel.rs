@@ -6,6 +6,7 @@ use crate::app::features::inspection::Anchor;
 use crate::app::theme::ODD;
 use crate::app::widgets::frames::frames_slider;
 use crate::app::widgets::overlay::PictureOverlay;
+use crate::messages::frame_place;
 use crate::playback::Player;
 use egui::{Button, Checkbox, Color32, RichText, Slider, Stroke, Ui};
 
@@ -56,7 +57,10 @@ pub(in crate::app) fn trail_ui(ui: &mut Ui, trails: &mut Trails, anchor: Anchor)
 fn status_ui(ui: &mut Ui, trails: &mut Trails) {
     if let Some((done, all)) = trails.progress() {
         ui.horizontal(|ui| {
-            ui.weak(format!("Looking at frame {} of {all}…", (done + 1).min(all)));
+            ui.weak(format!(
+                "Looking at {}…",
+                frame_place(done.min(all.saturating_sub(1)), all)
+            ));
             let cancel = ui.add(Button::new("Cancel trails").small());
             if cancel.on_hover_text("Stop looking for trails").clicked() {
                 trails.cancel();

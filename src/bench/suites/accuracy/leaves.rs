@@ -45,7 +45,8 @@ impl LeafSamples {
         for (delta_percent, samples) in DELTAS_PERCENT.into_iter().zip(&mut self.0) {
             run.check_cancelled()?;
             let stop = StopCriterion::Loss(f32::from(delta_percent) / 100.0);
-            samples.add(positions, &Octree::build(positions, &colors, stop));
+            let tree = Octree::build_in(frame.frame.cube(), positions, &colors, stop);
+            samples.add(positions, &tree);
         }
         Ok(())
     }
@@ -99,7 +100,7 @@ fn leaf_distances(positions: &[Vec3], tree: &Octree) -> Vec<f64> {
     let cube = tree.cube();
     let cells_along = f64::from(1u32 << tree.depth());
     let cell_of = |place: DVec3| {
-        let cell = (place - cube.min.as_dvec3()) / f64::from(cube.edge) * cells_along;
+        let cell = (place - cube.min) / f64::from(cube.edge) * cells_along;
         // The upper faces of the cube belong to the last cells.
         cell.to_array().map(|index| index.floor().min(cells_along - 1.0) as u32)
     };

@@ -6,7 +6,7 @@ use crate::bench::subject::Subject;
 use crate::bench::suites::error::truths::{FrameTruth, TruthLight};
 use crate::bench::suites::error::{turned, with_triangles};
 use crate::bench::truth_cache::TruthCache;
-use crate::cloud::{CloudError, Frame, Positions, RawCloud};
+use crate::cloud::{CloudError, Frame, Positions, RawCloud, Space};
 use crate::scene::{Camera, Lighting, Scene, Style};
 use crate::sequence::{Needs, PrepareCounters, PreparedFrame, Shape, prepare};
 use glam::DVec3;
@@ -140,7 +140,13 @@ impl<'a> Scenes<'a> {
             (SceneKind::CameraTurns, _) | (_, None) => vec![self.frame.clone(); STEPS + 1],
             (SceneKind::ShapeMoves, Some(shape)) => {
                 // Subtracted in f64, before positions become f32.
-                self.scans(|step| Frame::from_raw(without_normals(shape.scan(count, 0)), -self.moved(step)))?
+                self.scans(|step| {
+                    let space = Space {
+                        origin: -self.moved(step),
+                        ..self.subject.sequence.space()
+                    };
+                    Frame::from_raw(without_normals(shape.scan(count, 0)), space)
+                })?
             }
             (SceneKind::OnePointMoves, Some(shape)) => {
                 self.scans(|step| self.scanned(one_moves(shape, &self.frame, step)))?
@@ -201,7 +207,7 @@ impl<'a> Scenes<'a> {
 
     /// A frame of points without normals, in the space of the sequence.
     fn scanned(&self, cloud: RawCloud) -> Result<Frame, CloudError> {
-        Frame::from_raw(without_normals(cloud), self.subject.sequence.origin())
+        Frame::from_raw(without_normals(cloud), self.subject.sequence.space())
     }
 
     fn scans(&self, scan: impl Fn(u32) -> Result<Frame, CloudError>) -> Result<Vec<PreparedFrame>, CloudError> {

@@ -19,6 +19,7 @@ use super::recorder::Recorder;
 use super::stored_image::{BlockImage, BlockPixels, StoredImage};
 use crate::io::ReadOptions;
 use crate::io::recordings::matroska::{self, Block, Matroska, Track};
+use crate::messages::grouped;
 use device::Device;
 use std::io::Read as _;
 use std::path::Path;
@@ -234,8 +235,9 @@ impl KinectRecording<'_> {
         let alone = frames.iter().filter(|frame| frame.color.is_none()).count();
         if color.is_some() && alone > 0 {
             notes.push(format!(
-                "{alone} of {} depth images have no colour image within 20 ms: their points have no colours",
-                frames.len()
+                "{} of {} depth images have no colour image within 20 ms: their points have no colours",
+                grouped(alone),
+                grouped(frames.len())
             ));
         }
         FoundRecording {

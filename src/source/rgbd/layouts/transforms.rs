@@ -9,6 +9,7 @@
 use super::sidecars::{Distinct, TRANSFORMS as NAME};
 use super::{Calibration, DepthCode, Folder, FoundRecording, Layout, RgbdError, Units};
 use crate::assumption::{Assumption, Evidence, Subject};
+use crate::messages::grouped;
 use crate::rgbd::Distortion;
 use crate::source::rgbd::calibration::Intrinsics;
 use crate::source::rgbd::folder::name_of;
@@ -112,8 +113,9 @@ fn find(folder: &Folder) -> Result<Option<FoundRecording>, RgbdError> {
     }
     if frames.len() < listed {
         found.notes.push(format!(
-            "{} of {listed} frames of {} name no depth image that exists: they are skipped",
-            listed - frames.len(),
+            "{} of {} frames of {} name no depth image that exists: they are skipped",
+            grouped(listed - frames.len()),
+            grouped(listed),
             name_of(&folder.path.join(NAME))
         ));
     }

@@ -5,7 +5,7 @@ use super::context::TimelineContext;
 use crate::app::features::thumbnails::{PICTURE_PX, ThumbnailState, Thumbnails};
 use crate::app::features::timeline::VisibleFrames;
 use crate::app::theme::{ACCENT, BAD, COARSE, PENDING, RESIDENT};
-use crate::app::widgets::numbers::grouped;
+use crate::messages::grouped;
 use crate::playback::{Mark, MarkRun, Player};
 use crate::sequence::{Needs, Sequence, Slot};
 use egui::{Color32, Painter, Rect, Response, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
@@ -164,23 +164,23 @@ fn tooltip(player: &Player, needs: &Needs, frame: usize) -> String {
     let sequence = player.sequence();
     let head = format!(
         "Frame {} of {}{}, {:.2} s\n{}",
-        frame + 1,
-        sequence.len(),
+        grouped(frame + 1),
+        grouped(sequence.len()),
         own_number(sequence, frame).map_or_else(String::new, |number| format!(" (file {number})")),
         player.time_s(frame),
         sequence.entry(frame).name
     );
     let rest = match player.loader().get(frame, needs) {
-        Slot::Ready(prepared) => format!("in memory, {} points", grouped(prepared.points.len() as u64)),
+        Slot::Ready(prepared) => format!("in memory, {} points", grouped(prepared.points.len())),
         Slot::Coarse(prepared) => format!(
             "in memory, {} of {} points",
-            grouped(prepared.points.len() as u64),
-            grouped(prepared.frame.points_in_file() as u64)
+            grouped(prepared.points.len()),
+            grouped(prepared.frame.points_in_file())
         ),
         Slot::Partial(prepared) => format!(
             "{} of {} points in memory, being made ready for these settings",
-            grouped(prepared.points.len() as u64),
-            grouped(prepared.frame.points_in_file() as u64)
+            grouped(prepared.points.len()),
+            grouped(prepared.frame.points_in_file())
         ),
         Slot::Stale(_) => "in memory, being made ready for these settings".to_owned(),
         Slot::Pending => "not in memory".to_owned(),

@@ -4,7 +4,7 @@ use super::cells::Cells;
 use super::context::TimelineContext;
 use crate::app::features::timeline::Quantity;
 use crate::app::theme::ACCENT;
-use crate::app::widgets::numbers::grouped;
+use crate::messages::grouped;
 use egui::{Align2, FontId, Pos2, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 
 /// Height of the curve, points.

@@ -4,6 +4,7 @@ use super::cells::Cells;
 use super::context::TimelineContext;
 use crate::app::features::timeline::Timeline;
 use crate::app::theme::ODD;
+use crate::messages::frame_place;
 use egui::{Key, Painter, Rect, Role, Sense, Shape, Stroke, TextEdit, Ui, WidgetInfo, Window, pos2, vec2};
 
 /// Size of a flag, points.
@@ -64,8 +65,8 @@ pub(super) fn markers_ui(ui: &mut Ui, context: &mut TimelineContext<'_>) -> bool
             }
         });
         response.on_hover_text(format!(
-            "{name}, frame {} of {count}\nClick: go there. Double click: name it. Right click: more",
-            frame + 1
+            "{name}, {}\nClick: go there. Double click: name it. Right click: more",
+            frame_place(frame, count)
         ));
     }
     match wish {

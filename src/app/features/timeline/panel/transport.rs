@@ -7,7 +7,7 @@ use crate::app::command::Command;
 use crate::app::commands::keys_of;
 use crate::app::features::timeline::{Quantity, Timeline};
 use crate::app::theme::{BAD, Icon, paint_icon};
-use crate::app::widgets::numbers::grouped;
+use crate::messages::grouped;
 use crate::playback::Player;
 use crate::timeline::{LoopMode, MAX_SPEED, MIN_SPEED};
 use egui::{Align, ComboBox, DragValue, Label, Layout, Response, RichText, Role, Sense, Ui, WidgetInfo, vec2};
@@ -151,8 +151,9 @@ pub(super) fn still_ui(ui: &mut Ui, player: &Player) {
 fn place(ui: &mut Ui, player: &Player) {
     let sequence = player.sequence();
     let frame = player.waiting_for().unwrap_or(player.clock().frame());
-    let digits = sequence.len().to_string().len();
-    let text = format!("{:>digits$} of {}", frame + 1, sequence.len());
+    let count = grouped(sequence.len());
+    let digits = count.len();
+    let text = format!("{:>digits$} of {count}", grouped(frame + 1));
     ui.label(RichText::new(text).monospace().strong());
     if let Some(number) = own_number(sequence, frame).filter(|_| ui.available_width() > MIN_NAME_WIDTH) {
         ui.weak(format!("file {number}"))
@@ -177,8 +178,8 @@ fn shown_ui(ui: &mut Ui, player: &Player) {
         ui.label(RichText::new(format!("1/{share:.0} of points")).color(ui.visuals().warn_fg_color))
             .on_hover_text(format!(
                 "{} of {} points are shown: {why}.",
-                grouped(frame.frame.len() as u64),
-                grouped(frame.frame.points_in_file() as u64),
+                grouped(frame.frame.len()),
+                grouped(frame.frame.points_in_file()),
             ));
     }
 }
@@ -265,10 +266,10 @@ fn held_ui(ui: &mut Ui, player: &Player) {
         .on_hover_text(format!(
             "Achieved and requested frames per second ({held:.1} of {asked:.1}).\nSince opening: {} shown, {} of \
                 them with fewer points, {} late, {} skipped",
-            player.frames_shown(),
-            player.coarse_frames_shown(),
-            player.late_frames(),
-            player.clock().skipped()
+            grouped(player.frames_shown()),
+            grouped(player.coarse_frames_shown()),
+            grouped(player.late_frames()),
+            grouped(player.clock().skipped())
         ));
 }
 

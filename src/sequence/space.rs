@@ -1,23 +1,27 @@
-//! Origin of a sequence, which is subtracted from f64 file coordinates so that f32 keeps the detail.
+//! Space of a sequence: the origin that is subtracted from f64 file coordinates so that f32 keeps the detail, and the
+//! cells that octrees of all frames share.
 //!
 //! **How it works.** An f32 has 24 significant bits. A cloud of extent e around a centre c spends log2(|c| / e) of them
 //! on encoding where it is. Up to two bits are given away for the sake of coordinates that read like those of the file;
 //! beyond that the origin becomes the centre, rounded to a grid whose step is a power of two near the extent. Rounding
 //! keeps the origin short in binary, so that subtracting it from f32 coordinates is exact.
 //!
+//! **Cells.** The cube around the frame that decides the origin is one cell of the lattice ([`Lattice`]).
+//!
 //! **By some points.** Of a large frame some points are shown before all are read: they decide then. The grid's step
 //! and the centre match those of all points, or are so near that f32 from there keep the same precision.
 //!
 //! **Alongside another sequence** its origin is used if that preserves enough: the same coordinates of two files are
-//! then the same f32, and equal clouds have no distance.
+//! then the same f32, and equal clouds have no distance. Its cells are used with it.
 //!
 //! **Once.** The first caller decodes frames from the start until one is readable, others wait for it. Its decoded
 //! frame is cached until it is loaded, and errors it met are cached as well: nothing is decoded twice, except cancelled
 //! frames.
 
 use super::error::FrameError;
-use crate::cloud::{MissingPoints, NoData, RawCloud, ValueSample};
+use crate::cloud::{MissingPoints, NoData, RawCloud, Space, ValueSample};
 use crate::locks::lock;
+use crate::math::{Aabb, Cube, Lattice};
 use crate::progress::Progress;
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -34,15 +38,15 @@ const FAR_COMPANION_IN_EXTENTS: f64 = 64.0;
 /// A decoded frame with its time in milliseconds, or the reason why there is none.
 type Cached = Result<(RawCloud, f32), FrameError>;
 
-/// Provenance of an origin: how it was decided.
+/// Provenance of a space: how it was decided.
 enum Decided {
-    ByFrame(DVec3),
+    ByFrame(Space),
     /// No frame has a point.
     ByNone,
 }
 
-/// The frames that an origin is for.
-pub(super) trait OriginFrames: Send + Sync {
+/// The frames that a space is for.
+pub(super) trait SpaceFrames: Send + Sync {
     fn frame_count(&self) -> usize;
 
     /// Returns true if frames may arrive or be read again.
@@ -57,19 +61,19 @@ pub(super) trait OriginFrames: Send + Sync {
     /// Some points of a few frames after `index`, where they can be read without the others.
     fn further_samples(&self, index: usize) -> Vec<RawCloud>;
 
-    /// Their origin; `None` if deciding it was cancelled.
-    fn origin_observed(&self, progress: &Progress) -> Option<DVec3>;
+    /// Their space; `None` if deciding it was cancelled.
+    fn space_observed(&self, progress: &Progress) -> Option<Space>;
 }
 
-/// Decides the origin once, on demand.
+/// Decides the space once, on demand.
 #[derive(Default)]
-pub(super) struct OriginFinder {
-    origin: OnceLock<DVec3>,
+pub(super) struct SpaceFinder {
+    space: OnceLock<Space>,
     /// Held by the deciding thread, with the number of cancellations.
     deciding: Mutex<()>,
     given_up: AtomicUsize,
-    /// The sequence whose origin is taken if possible.
-    companion: OnceLock<Arc<dyn OriginFrames>>,
+    /// The sequence whose space is taken if possible.
+    companion: OnceLock<Arc<dyn SpaceFrames>>,
     cached: Mutex<BTreeMap<usize, Cached>>,
     /// Points of the frame that decided it.
     sample: Mutex<SharedSample>,
@@ -84,9 +88,9 @@ struct SharedSample {
     is_outdated: bool,
 }
 
-impl OriginFinder {
-    /// The origin; `None` if that took decoding, which was cancelled.
-    pub(super) fn origin(&self, frames: &dyn OriginFrames, progress: &Progress) -> Option<DVec3> {
+impl SpaceFinder {
+    /// The space; `None` if that took decoding, which was cancelled.
+    pub(super) fn space(&self, frames: &dyn SpaceFrames, progress: &Progress) -> Option<Space> {
         self.known().or_else(|| {
             let given_up = || self.given_up.load(Ordering::Relaxed);
             let before = given_up();
@@ -97,48 +101,47 @@ impl OriginFinder {
                 if given_up() != before {
                     return None;
                 }
-                let origin = self.decide(frames, progress);
-                match origin {
+                match self.decide(frames, progress) {
                     None => {
                         self.given_up.fetch_add(1, Ordering::Relaxed);
                         None
                     }
                     // The first frame of a folder may still be being written: then a later one decides.
-                    Some(Decided::ByNone) if frames.may_grow() => Some(DVec3::ZERO),
-                    Some(Decided::ByNone) => Some(*self.origin.get_or_init(|| DVec3::ZERO)),
-                    Some(Decided::ByFrame(origin)) => Some(*self.origin.get_or_init(|| origin)),
+                    Some(Decided::ByNone) if frames.may_grow() => Some(Space::default()),
+                    Some(Decided::ByNone) => Some(*self.space.get_or_init(Space::default)),
+                    Some(Decided::ByFrame(space)) => Some(*self.space.get_or_init(|| space)),
                 }
             })
         })
     }
 
-    /// Takes the origin of `other` if that keeps the detail. Has no effect once the origin is decided, or for the
+    /// Takes the space of `other` if that keeps the detail. Has no effect once the space is decided, or for the
     /// second time.
-    pub(super) fn share(&self, other: Arc<dyn OriginFrames>) {
+    pub(super) fn share(&self, other: Arc<dyn SpaceFrames>) {
         if self.companion.set(other).is_err() {
-            log::debug!("an origin is shared with one other sequence");
+            log::debug!("a space is shared with one other sequence");
         }
     }
 
-    /// The origin, if it is decided.
-    pub(super) fn known(&self) -> Option<DVec3> {
-        self.origin.get().copied()
+    /// The space, if it is decided.
+    pub(super) fn known(&self) -> Option<Space> {
+        self.space.get().copied()
     }
 
-    /// The origin, decided by the box around some points of the first frame if it is not known; `None` where it depends
+    /// The space, decided by the box around some points of the first frame if it is not known; `None` where it depends
     /// on another sequence.
-    pub(super) fn decided_by(&self, present: Option<(DVec3, DVec3)>) -> Option<DVec3> {
+    pub(super) fn decided_by(&self, present: Option<(DVec3, DVec3)>) -> Option<Space> {
         self.known().or_else(|| {
             let _turn = lock(&self.deciding);
             self.known().or_else(|| {
                 let (min, max) = present.filter(|_| self.companion.get().is_none())?;
-                let origin = origin_of_bounds(min, max);
-                Some(*self.origin.get_or_init(|| origin))
+                let space = space_of_bounds(min, max);
+                Some(*self.space.get_or_init(|| space))
             })
         })
     }
 
-    fn decide(&self, frames: &dyn OriginFrames, progress: &Progress) -> Option<Decided> {
+    fn decide(&self, frames: &dyn SpaceFrames, progress: &Progress) -> Option<Decided> {
         for index in 0..frames.frame_count() {
             if progress.is_cancelled() {
                 return None;
@@ -153,13 +156,13 @@ impl OriginFinder {
             match missing.as_ref().map(|missing| (missing.bounds, &missing.indices)) {
                 Ok((Some((min, max)), missing)) => {
                     let companion = match self.companion.get() {
-                        Some(other) => Some(other.origin_observed(progress)?),
+                        Some(other) => Some(other.space_observed(progress)?),
                         None => None,
                     };
-                    let shared = companion.filter(|&origin| is_near(origin, min, max, FAR_COMPANION_IN_EXTENTS));
-                    let origin = shared.unwrap_or_else(|| origin_of_bounds(min, max));
+                    let is_near = |space: &Space| is_near(space.origin, min, max, FAR_COMPANION_IN_EXTENTS);
+                    let space = companion.filter(is_near).unwrap_or_else(|| space_of_bounds(min, max));
                     if let Ok((raw, _)) = &decoded {
-                        let mut sample = ValueSample::of_raw(raw, missing, origin);
+                        let mut sample = ValueSample::of_raw(raw, missing, space.origin);
                         for further in frames.further_samples(index) {
                             sample.add_scalars_of(&further);
                         }
@@ -167,7 +170,7 @@ impl OriginFinder {
                         lock(&self.sample).of.get_or_insert((index, sample));
                     }
                     lock(&self.cached).insert(index, decoded);
-                    return Some(Decided::ByFrame(origin));
+                    return Some(Decided::ByFrame(space));
                 }
                 // A frame without a finite point decides nothing; retaining many of them could fill the memory.
                 Ok((None, _)) => {}
@@ -187,7 +190,7 @@ impl OriginFinder {
         sample.is_outdated |= sample.of.as_ref().is_some_and(|(decided, _)| *decided == index);
     }
 
-    /// Returns true if the points of [`OriginFinder::sample`] belong to a file that has changed since.
+    /// Returns true if the points of [`SpaceFinder::sample`] belong to a file that has changed since.
     pub(super) fn is_sample_outdated(&self) -> bool {
         lock(&self.sample).is_outdated
     }
@@ -249,6 +252,22 @@ fn is_near(origin: DVec3, min: DVec3, max: DVec3, far_in_extents: f64) -> bool {
     away.length() <= far_in_extents * extent
 }
 
+/// The space for finite coordinates between `min` and `max`.
+fn space_of_bounds(min: DVec3, max: DVec3) -> Space {
+    let origin = origin_of_bounds(min, max);
+    // As a frame has them: rounding keeps their order.
+    let bounds = Aabb {
+        min: (min - origin).as_vec3(),
+        max: (max - origin).as_vec3(),
+    };
+    let is_finite = bounds.min.is_finite() && bounds.max.is_finite();
+    let cube = Cube::around_box(&bounds).filter(|_| is_finite);
+    Space {
+        origin,
+        lattice: cube.map(Lattice::of),
+    }
+}
+
 /// The origin for finite coordinates between `min` and `max`.
 fn origin_of_bounds(min: DVec3, max: DVec3) -> DVec3 {
     let (center, extent) = center_and_extent(min, max);
@@ -285,7 +304,7 @@ mod tests {
             let raw = RawCloud::from_positions(Positions::F32(vec![[0.0, 0.0, z]]));
             ValueSample::of_raw(&raw, &[], DVec3::ZERO)
         };
-        let finder = OriginFinder::default();
+        let finder = SpaceFinder::default();
         lock(&finder.sample).of = Some((3, Arc::new(sample(1.0))));
         finder.forget(2);
         finder.renew_sample(4, || sample(2.0));
@@ -364,6 +383,50 @@ mod tests {
         a.share_origin_with(&a);
         part.share_origin_with(&part);
         assert_eq!(part.origin(), a.origin());
+    }
+
+    #[test]
+    fn points_at_rest_stay_in_their_cells() {
+        use crate::levels::octree::{Octree, StopCriterion};
+        // The first of them is on the upper face of the first cube, which has an edge of 7.
+        let moving = [[7.0, 0.0, 0.0], [9.0, -20.0, 4.0], [-300.0, 6.0, 2.0]];
+        let entries = (0..).zip(moving).map(|(number, _)| FrameEntry {
+            number: Some(number),
+            ..FrameEntry::file("a.ply")
+        });
+        let sequence = Sequence::with_decoder(entries.collect(), move |entry| {
+            let share = |index: usize, step: f32| (index as f32 * step).fract();
+            let at_rest = |index| {
+                [
+                    7.0 * share(index, 0.618),
+                    5.0 * share(index, 0.414),
+                    3.0 * share(index, 0.732),
+                ]
+            };
+            let mut positions: Vec<_> = (0..100).map(at_rest).collect();
+            positions.push(moving[entry.number.unwrap_or_default() as usize]);
+            Ok(RawCloud::from_positions(Positions::F32(positions)))
+        });
+        let leaves_at_rest = |index: usize| {
+            let frame = sequence.frame(index).unwrap();
+            let depth = 5u32.saturating_add_signed(frame.levels_above_first());
+            let colors = vec![[0; 4]; frame.len()];
+            let tree = Octree::build_in(frame.cube(), frame.positions(), &colors, StopCriterion::Depth(depth));
+            let leaves = tree.level_voxels(depth).into_iter().map(|voxel| voxel.center);
+            let mut at_rest: Vec<_> = leaves
+                .filter(|center| center.iter().all(|c| (0.0..6.7).contains(c)))
+                .collect();
+            at_rest.sort_by(|a, b| a.partial_cmp(b).unwrap());
+            (frame.cube().edge, at_rest)
+        };
+        let (edge, first) = leaves_at_rest(0);
+        assert!(edge == 7.0 && first.len() > 60, "{edge} {}", first.len());
+        for index in [1, 2] {
+            let (larger, leaves) = leaves_at_rest(index);
+            assert!(larger > edge && leaves.len() == first.len());
+            let both = first.iter().flatten().zip(leaves.iter().flatten());
+            assert!(both.into_iter().all(|(a, b)| (a - b).abs() < 1e-3), "frame {index}");
+        }
     }
 
     #[test]
