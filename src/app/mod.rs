@@ -54,7 +54,9 @@ pub use appearance::Appearance;
 pub use command::{Chord, Command, CommandRow, GESTURES, Keys, Menu};
 pub use commands::commands;
 pub use features::Features;
-pub use features::benchmark::{Benchmark, BenchmarkEnded, BenchmarkJob, BenchmarkTable, ReportFormat, SoFar};
+pub use features::benchmark::{
+    Benchmark, BenchmarkEnded, BenchmarkJob, BenchmarkSetup, BenchmarkTable, ReportFormat, SoFar,
+};
 pub use features::camera_path::{Draft, PathEditor, PathFile};
 pub use features::clipping::Clipping;
 pub use features::comparison::{Comparison, PictureDifference, PicturePair};

@@ -18,6 +18,8 @@ impl PanelId {
     pub const LEGEND: Self = Self("legend");
     /// The list of keys.
     pub const HELP: Self = Self("help");
+    /// The start dialog of a benchmark.
+    pub const BENCHMARK_SETUP: Self = Self("benchmark setup");
     /// The benchmark window.
     pub const BENCHMARK: Self = Self("benchmark");
     /// The camera path.

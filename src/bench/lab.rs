@@ -55,7 +55,7 @@ pub struct LabPoint {
     pub flip_over_time: f64,
     /// The Pareto fronts that it is on, in the order of [`LabError::ALL`]: no other mode is both as fast and as
     /// accurate.
-    pub is_on_front: [bool; LabError::ALL.len()],
+    pub on_fronts: [bool; LabError::ALL.len()],
     /// The first view, small.
     pub picture: RgbaImage,
     /// The FLIP error of the first view, as small.
@@ -63,6 +63,11 @@ pub struct LabPoint {
 }
 
 impl LabPoint {
+    /// Returns true if it is on the front of an error.
+    pub fn is_on_front(&self, error: LabError) -> bool {
+        self.on_fronts[error as usize]
+    }
+
     /// Returns the light of the mode, at each pixel: an image in another light is another image.
     pub fn lighting(&self) -> Lighting {
         self.style.decided().light.lighting.at_each_pixel()
@@ -82,7 +87,7 @@ impl LabPoint {
 /// Marks the points of each sequence that are on its fronts.
 pub fn mark_fronts(points: &mut [LabPoint]) {
     for index in 0..points.len() {
-        points[index].is_on_front =
+        points[index].on_fronts =
             LabError::ALL.map(|error| !points.iter().any(|other| points[index].is_beaten_by(other, error)));
     }
 }
@@ -204,7 +209,7 @@ mod tests {
             flip,
             // The more an image is off, the steadier it is.
             flip_over_time: 1.0 - flip,
-            is_on_front: [false; 2],
+            on_fronts: [false; 2],
             picture: RgbaImage::new(1, 1),
             error_map: RgbaImage::new(1, 1),
         }
@@ -215,10 +220,15 @@ mod tests {
         let mut points =
             [(1.0, 0.5), (2.0, 0.6), (3.0, 0.2), (3.0, 0.3), (4.0, 0.2)].map(|(draw_ms, flip)| point(draw_ms, flip));
         mark_fronts(&mut points);
-        let of_images = |points: &[LabPoint]| points.iter().map(|point| point.is_on_front[0]).collect::<Vec<_>>();
+        let of_images = |points: &[LabPoint]| {
+            points
+                .iter()
+                .map(|point| point.is_on_front(LabError::Image))
+                .collect::<Vec<_>>()
+        };
         assert_eq!(of_images(&points), [true, false, true, false, false]);
         assert_eq!(
-            points.map(|point| point.is_on_front[1]),
+            points.map(|point| point.is_on_front(LabError::OverTime)),
             [true, true, false, false, false]
         );
         // Equal points are both optimal; points of another sequence do not count.

@@ -16,7 +16,8 @@ use crate::levels::{
     Affordable, Cut, CutHints, Levels, LevelsKey, LevelsKind, Lod, LodMetric, RecordBuffers, SelectView,
 };
 use crate::rgbd::DepthFrame;
-use crate::scene::sorting::Sorting;
+use crate::scene::remade::Remade;
+use crate::scene::sorting::sorted;
 use crate::scene::visible::screen_surfels::{ScreenInput, ScreenSurfels};
 use crate::scene::visible::visible_points::{PointImages, ScreenStats};
 use crate::sequence::{Needs, Paint, PreparedFrame};
@@ -47,11 +48,11 @@ pub struct SceneStats {
 #[derive(Debug, Default)]
 pub struct Scene {
     last_cut: Option<LastCut>,
-    clipped: Option<Clipped>,
+    clipping: Remade<Clip>,
     /// The last frame whose points were measured, and how far apart they are.
     spacing: Option<(Arc<Frame>, PointSpacing)>,
     screen: ScreenSurfels,
-    sorting: Sorting,
+    sorting: Remade<ViewTransform>,
     remembers: bool,
     affordable: Affordable,
     stats: SceneStats,
@@ -123,14 +124,6 @@ struct Wanted<'a> {
     viewport_px: [u32; 2],
     style: &'a Style,
     params: &'a PacketParams,
-}
-
-/// The part of a frame that a clip retains, and its source.
-#[derive(Debug)]
-struct Clipped {
-    clip: Clip,
-    whole: Content,
-    retained: Content,
 }
 
 /// The disks of the points of a frame, if it has shapes.
@@ -233,7 +226,7 @@ impl Scene {
             viewport_px,
             view,
             content: if style.sorts_surfels() {
-                self.sorting.sort(content, &view)
+                self.sorting.get(view, content, sorted)
             } else {
                 content
             },
@@ -301,7 +294,7 @@ impl Scene {
             Primitive::Voxel => Content::Nothing,
         };
         let whole = match params.clip {
-            Some(clip) => self.clip(clip, whole),
+            Some(clip) => self.clipping.get(clip, whole, |clip, whole| whole.clipped(clip)),
             None => whole,
         };
         if !is_of_screen {
@@ -334,21 +327,6 @@ impl Scene {
             .spacing
             .insert(known.unwrap_or_else(|| (Arc::clone(&frame.frame), typical_spacing(&frame.frame))));
         spacing.typical
-    }
-
-    /// Returns the clipped content of a whole frame: the same allocation as long as both stay the same.
-    fn clip(&mut self, clip: Clip, whole: Content) -> Content {
-        let known = self.clipped.take();
-        // An unchanged clip keeps its allocation, so its records are not uploaded again.
-        let known = known.filter(|known| known.clip == clip && known.whole == whole);
-        let clipped = known.unwrap_or_else(|| Clipped {
-            clip,
-            retained: whole.clipped(&clip),
-            whole,
-        });
-        let retained = clipped.retained.clone();
-        self.clipped = Some(clipped);
-        retained
     }
 
     /// The byte code of a frame, if it is to be drawn. Any setting but a threshold chooses a level: as the code is

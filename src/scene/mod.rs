@@ -11,6 +11,7 @@ mod first_look;
 mod light;
 mod packet;
 mod photos;
+mod remade;
 mod sorting;
 mod style;
 mod view;
@@ -51,7 +52,8 @@ pub use style::{
     LightStyle, Lighting, NormalBits, NormalFit, NormalSource, OfSequence, OffsetBits, OnOff, Painted,
     ParseChoiceError, PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoRelight, PhotoStyle, PointLight,
     PointShape, PointSizing, PointStyle, Primitive, RendererChoice, Settings, SplatFilter, SplatGeometry, Splatting,
-    Strategy, Style, SurfelColors, SurfelSettings, SurfelStyle, VoxelLight, VoxelStyle, coloring, describe,
+    Strategy, Style, SurfelColors, SurfelSettings, SurfelStyle, VisibilityShape, VoxelLight, VoxelStyle, coloring,
+    describe,
 };
 pub use view::camera::{Camera, Projection, UpAxis, ViewPreset, ViewTransform};
 pub use view::ground::{GroundPlane, SeenGround};

@@ -11,37 +11,8 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// The last sorted content.
-#[derive(Debug, Default)]
-pub(in crate::scene) struct Sorting {
-    last: Option<Sorted>,
-}
-
-#[derive(Debug)]
-struct Sorted {
-    view: ViewTransform,
-    whole: Content,
-    in_order: Content,
-}
-
-impl Sorting {
-    /// Returns the content with its surfels from back to front, anything else as it is: the same allocations as long as
-    /// view and content stay the same.
-    pub(in crate::scene) fn sort(&mut self, whole: Content, view: &ViewTransform) -> Content {
-        let known = self.last.take();
-        let known = known.filter(|known| known.view == *view && known.whole == whole);
-        let last = known.unwrap_or_else(|| Sorted {
-            view: *view,
-            in_order: sorted(&whole, view),
-            whole,
-        });
-        let sorted = last.in_order.clone();
-        self.last = Some(last);
-        sorted
-    }
-}
-
-fn sorted(content: &Content, view: &ViewTransform) -> Content {
+/// Returns the content with its surfels from back to front, anything else as it is.
+pub(in crate::scene) fn sorted(view: &ViewTransform, content: &Content) -> Content {
     let Content::Surfels(Surfels { points, shapes }) = content else {
         return content.clone();
     };
@@ -67,6 +38,7 @@ mod tests {
     use super::*;
     use crate::cloud::ShapeRecord;
     use crate::math::Aabb;
+    use crate::scene::remade::Remade;
     use crate::scene::{Camera, UpAxis};
     use bytemuck::Zeroable as _;
     use glam::DVec3;
@@ -101,7 +73,7 @@ mod tests {
         fn depths_decrease(positions in prop::collection::vec(prop::array::uniform3(-9f32..9.0), 0..200),
             azimuth_deg in 0f64..360.0) {
             let view = view(azimuth_deg);
-            let sorted = Sorting::default().sort(surfels(&positions), &view);
+            let sorted = sorted(&view, &surfels(&positions));
             let depth = |point: &PointRecord| {
                 let offset = Vec3::from_array(point.position) - view.eye_high - view.eye_low;
                 -(view.view_from_frame_rotation * offset).z
@@ -119,17 +91,18 @@ mod tests {
 
     #[test]
     fn an_unchanged_view_keeps_its_allocation() {
-        let mut sorting = Sorting::default();
+        let mut sorting = Remade::default();
+        let mut sort = |content, view| sorting.get(view, content, sorted);
         let content = surfels(&[[0.0; 3], [1.0; 3]]);
-        let first = sorting.sort(content.clone(), &view(0.0));
-        assert_eq!(sorting.sort(content.clone(), &view(0.0)), first);
-        let turned = sorting.sort(content.clone(), &view(180.0));
+        let first = sort(content.clone(), view(0.0));
+        assert_eq!(sort(content.clone(), view(0.0)), first);
+        let turned = sort(content.clone(), view(180.0));
         assert_ne!(turned, first);
         assert_eq!(
             turned.points().unwrap()[0].position,
             first.points().unwrap()[1].position
         );
-        assert_ne!(sorting.sort(surfels(&[[0.0; 3]]), &view(180.0)), turned);
-        assert_eq!(sorting.sort(Content::Nothing, &view(0.0)), Content::Nothing);
+        assert_ne!(sort(surfels(&[[0.0; 3]]), view(180.0)), turned);
+        assert_eq!(sort(Content::Nothing, view(0.0)), Content::Nothing);
     }
 }

@@ -1,9 +1,11 @@
 //! The window of a benchmark.
 
-use super::{click, window, window_on};
+use super::menu::choose_item;
+use super::{click, options, sequence, window, window_on};
+use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use pointreel::app::{Benchmark, BenchmarkJob, BenchmarkTable, State};
+use pointreel::app::{Benchmark, BenchmarkJob, BenchmarkTable, Command, State};
 use pointreel::bench::{LabPoint, Quality, RatePoint, Sweep, Table};
 use pointreel::bench::{Measured, Step};
 use pointreel::cloud::{Positions, RawCloud};
@@ -113,6 +115,51 @@ fn a_benchmark_is_cancelled_or_fails_with_its_reason() {
     assert!(harness.query_by_label("the GPU is out of memory").is_some());
 }
 
+#[test]
+fn a_benchmark_starts_with_the_chosen_renderer_and_size() {
+    let mut harness = window_on(sequence(&[]), options());
+    click(&mut harness, "Benchmark");
+    choose_item(&mut harness, "Octree");
+    assert!(harness.query_by_label("Start").is_some(), "nothing runs before that");
+    assert!(matches!(harness.state().features.benchmark, Benchmark::Idle));
+    for label in ["Width", "Height", "Frames", "Viewpoints", "Rounds"] {
+        assert!(
+            harness.query_by_role_and_label(Role::SpinButton, label).is_some(),
+            "{label}"
+        );
+    }
+    let setup = harness.state_mut().features.benchmark_setup.as_mut().unwrap();
+    (setup.renderer, setup.viewport_px) = (RendererChoice::Cpu.into(), [320, 240]);
+    (setup.frames, setup.viewpoints, setup.repeat) = (1, 1, 1);
+    // Another suite has its own defaults, the same one keeps its choices.
+    let chosen = *setup;
+    for (suite, is_kept) in [("octree", true), ("error", false)] {
+        harness.state_mut().give(Command::SET_UP_BENCHMARK, suite).unwrap();
+        let now = harness.state().features.benchmark_setup.unwrap();
+        assert_eq!(now == chosen, is_kept, "{suite}");
+    }
+    harness.state_mut().features.benchmark_setup = Some(chosen);
+    harness.run();
+    click(&mut harness, "Start");
+    let begin = Instant::now();
+    while matches!(harness.state().features.benchmark, Benchmark::Running(_)) {
+        assert!(begin.elapsed() < Duration::from_secs(120), "the benchmark does not end");
+        harness.state_mut().update(Duration::ZERO);
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let Benchmark::Done(table) = &harness.state().features.benchmark else {
+        panic!("{:?}", harness.state().features.benchmark);
+    };
+    assert_eq!(table.suite, "octree");
+    assert!(
+        table.json.contains("320") && table.json.contains("240"),
+        "{}",
+        table.json
+    );
+    harness.run();
+    assert!(harness.query_by_label("Start").is_none(), "the dialog has closed");
+}
+
 /// A render mode with this time and error.
 fn point(draw_ms: f64, flip: f64, style: Settings) -> Arc<LabPoint> {
     Arc::new(LabPoint {
@@ -122,7 +169,7 @@ fn point(draw_ms: f64, flip: f64, style: Settings) -> Arc<LabPoint> {
         draw_ms,
         flip,
         flip_over_time: 0.5 * flip,
-        is_on_front: [false; 2],
+        on_fronts: [false; 2],
         picture: image::RgbaImage::new(24, 16),
         error_map: image::RgbaImage::new(24, 16),
     })

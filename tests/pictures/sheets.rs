@@ -3,7 +3,9 @@
 use crate::common::{camera_at, draw, draw_on_cpu, plain};
 use glam::DVec3;
 use pointreel::cloud::{Frame, Positions, RawCloud};
-use pointreel::scene::{BackFaces, Camera, Scene, ScenePacket, Splatting, Style};
+use pointreel::scene::{
+    BackFaces, Camera, Scene, ScenePacket, SplatFilter, SplatGeometry, Splatting, Style, VisibilityShape,
+};
 use pointreel::sequence::{PrepareCounters, prepare};
 use std::sync::Arc;
 
@@ -21,9 +23,21 @@ fn sheets(gap: f32, camera: &Camera, change: impl Fn(&mut Style)) -> ScenePacket
             colors.push(color);
         }
     }
+    let radii = vec![RADIUS; positions.len()];
+    facing(positions, colors, radii, camera, change)
+}
+
+/// Disks that face +z.
+fn facing(
+    positions: Vec<[f32; 3]>,
+    colors: Vec<[u8; 4]>,
+    radii: Vec<f32>,
+    camera: &Camera,
+    change: impl Fn(&mut Style),
+) -> ScenePacket {
     let mut cloud = RawCloud::from_positions(Positions::F32(positions));
-    cloud.attributes.normals = Some(vec![[0.0, 0.0, 1.0]; 3200]);
-    cloud.attributes.radii = Some(vec![RADIUS; 3200]);
+    cloud.attributes.normals = Some(vec![[0.0, 0.0, 1.0]; radii.len()]);
+    cloud.attributes.radii = Some(radii);
     cloud.attributes.colors = Some(colors);
     let style = plain().with(|style| {
         style.surfels.splatting = Splatting::TwoPass;
@@ -84,6 +98,48 @@ fn sheets_within_the_depth_offset_are_blended() {
         for image in [draw(&packet), draw_on_cpu(&packet)] {
             let found = image.get_pixel(32, 32).0[1];
             assert!(found.abs_diff(far) <= 12, "{found} for {far} at {depth_offset} radii");
+        }
+    }
+}
+
+/// The 4D media paper, Fig. 3e: corners of squares hide what is behind them, although they are not drawn.
+#[test]
+fn corners_of_squares_hide_what_is_behind_them_on_request() {
+    // A red disk before a green one that fills the image.
+    let (positions, radii) = (vec![[0.0, 0.0, 0.5], [0.0; 3]], vec![0.5, 8.0]);
+    let colors = vec![[255, 0, 0, 255], [0, 255, 0, 255]];
+    // Pixels of the background for each pixel of the red disk.
+    let hidden = |change: &dyn Fn(&mut Style)| {
+        let packet = facing(
+            positions.clone(),
+            colors.clone(),
+            radii.clone(),
+            &camera_at(1.2),
+            change,
+        );
+        [draw(&packet), draw_on_cpu(&packet)].map(|image| {
+            let count = |is_it: fn([u8; 4]) -> bool| image.pixels().filter(|pixel| is_it(pixel.0)).count() as f64;
+            let red = count(|[red, green, ..]| red > 128 && green < 128);
+            assert!(red > 100.0, "{red}");
+            count(|[red, green, ..]| red < 64 && green < 64) / red
+        })
+    };
+    let of_square = (4.0 - std::f64::consts::PI) / std::f64::consts::PI;
+    for (shape, expected) in [(VisibilityShape::Disk, 0.0), (VisibilityShape::Square, of_square)] {
+        for geometry in [SplatGeometry::Quad, SplatGeometry::Triangle] {
+            for found in hidden(&|style| (style.surfels.visibility_shape, style.surfels.geometry) = (shape, geometry)) {
+                assert!(
+                    (found - expected).abs() <= 0.06,
+                    "{shape:?}, {geometry:?}: {found}, not {expected}"
+                );
+            }
+        }
+        // Sprites have no square in their plane.
+        for found in hidden(&|style| {
+            style.surfels.visibility_shape = shape;
+            style.surfels.filter = SplatFilter::Clamp;
+        }) {
+            assert_eq!(found, 0.0, "{shape:?}");
         }
     }
 }

@@ -133,7 +133,9 @@ impl Command {
     pub const SAVE_PRESET: Self = Self("save settings");
     /// Delete the preset of a name.
     pub const DELETE_PRESET: Self = Self("delete-preset");
-    /// Run the benchmark suite of a name.
+    /// Open the start dialog of the benchmark suite of a name.
+    pub const SET_UP_BENCHMARK: Self = Self("set-up-benchmark");
+    /// Run the benchmark suite of a name with its default options.
     pub const RUN_BENCHMARK: Self = Self("run-benchmark");
     /// Full screen and back.
     pub const FULL_SCREEN: Self = Self("full screen");

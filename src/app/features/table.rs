@@ -1,7 +1,7 @@
 //! The table of features: a line for each. All that the window does with every feature goes through it.
 
 use super::assumptions::Assumptions;
-use super::benchmark::Benchmark;
+use super::benchmark::{Benchmark, BenchmarkSetup};
 use super::camera_path::PathEditor;
 use super::clipping::Clipping;
 use super::comparison::Comparison;
@@ -77,6 +77,8 @@ features! {
     export: Export,
     /// Settings for saving the sequence.
     save: Save,
+    /// Choices for a benchmark that was not started yet.
+    benchmark_setup: Option<BenchmarkSetup>,
     /// The benchmark window's content.
     benchmark: Benchmark,
 }

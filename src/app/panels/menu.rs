@@ -285,14 +285,14 @@ fn tools_menu(ui: &mut Ui, state: &mut State) {
 
 fn benchmark_menu(ui: &mut Ui, state: &mut State) {
     ui.set_min_width(200.0);
-    let why_not = row_of(Command::RUN_BENCHMARK).and_then(|row| row.why_not(state));
+    let why_not = row_of(Command::SET_UP_BENCHMARK).and_then(|row| row.why_not(state));
     for suite in suites::all() {
         let button = ui
-            .add_enabled(why_not.is_none(), Button::new(suite.title))
+            .add_enabled(why_not.is_none(), Button::new(format!("{}…", suite.title)))
             .on_hover_text(suite.hint)
             .on_disabled_hover_text(why_not.unwrap_or_default());
         if button.clicked() {
-            state.give_or_tell(Command::RUN_BENCHMARK, suite.name());
+            state.give_or_tell(Command::SET_UP_BENCHMARK, suite.name());
             ui.close();
         }
     }

@@ -2,7 +2,7 @@
 //! and the table. The file is self-contained: no network access.
 
 use super::{Cell, Report};
-use crate::bench::LabPoint;
+use crate::bench::{LabError, LabPoint};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use image::{ImageFormat, RgbaImage};
@@ -55,8 +55,8 @@ fn point_data(point: &LabPoint, truth: Option<&Cell>, details: &[Value]) -> Valu
         "ms": point.draw_ms,
         "flip": point.flip,
         "flip_over_time": point.flip_over_time,
-        "front": point.is_on_front[0],
-        "front_over_time": point.is_on_front[1],
+        "front": point.is_on_front(LabError::Image),
+        "front_over_time": point.is_on_front(LabError::OverTime),
         "details": details,
         "picture": data_url(&point.picture),
         "error": data_url(&point.error_map),

@@ -101,7 +101,7 @@ pub(super) fn store<S: Simd>(register: f32x8<S>, values: &mut [f32], at: usize) 
 
 /// The depth of the nearest surface, pushed back: depths are multiplied with `push_back`.
 #[inline(always)]
-pub(super) fn visibility<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, push_back: f32) {
+pub(super) fn visibility<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, push_back: f32, outline: Outline) {
     let depth_per_w = facet.depth_per_w * push_back;
     let nothing = f32x8::splat(simd, 0.0);
     for_each(
@@ -112,7 +112,7 @@ pub(super) fn visibility<S: Simd>(simd: S, tile: &mut Tile, facet: &Facet, push_
         |at, fragments| {
             let depths = fragments.depths(simd, depth_per_w);
             // Depths behind the eye are negative, and less than the stored ones.
-            let drawn = fragments.are_inside(Outline::Disk) & are_beyond_near(simd, depths);
+            let drawn = fragments.are_inside(outline) & are_beyond_near(simd, depths);
             let nearest = load(simd, &tile.depth, at).max(simd.select_f32x8(drawn, depths, nothing));
             store(nearest, &mut tile.depth, at);
         },

@@ -40,6 +40,10 @@ impl<C: Copy> Conditions for Style<C> {
         self.draws_surfels() && self.codes.footprint != Footprint::Disks
     }
 
+    fn has_visibility_squares(&self) -> bool {
+        self.has_visibility_squares()
+    }
+
     fn blends_surfels(&self) -> bool {
         self.blends_surfels()
     }

@@ -50,6 +50,7 @@ pub use points::{PointLight, PointShape, PointSizing, PointStyle};
 pub use settings::Settings;
 pub use surfels::{
     BackFaces, Kernel, NormalSource, SplatFilter, SplatGeometry, Splatting, SurfelColors, SurfelSettings, SurfelStyle,
+    VisibilityShape,
 };
 pub use voxels::{VoxelLight, VoxelStyle};
 
@@ -226,10 +227,25 @@ impl<C: Copy> Style<C> {
 
     /// Returns the geometry that the GPU draws splats as: squares where the image shows these.
     pub fn splat_geometry(&self) -> SplatGeometry {
-        if self.surfels.splatting == Splatting::Regular {
+        if self.surfels.splatting == Splatting::Regular || self.visibility_shape() == VisibilityShape::Square {
             SplatGeometry::Quad
         } else {
             self.surfels.geometry
+        }
+    }
+
+    /// Returns true if the visibility pass draws splats in their planes, which have squares around them.
+    pub fn has_visibility_squares(&self) -> bool {
+        let is_coded = self.levels_kind() == Some(LevelsKind::Codes);
+        self.draws_surfels() && self.surfels.splatting.has_visibility_pass() && !self.draws_sprites() && !is_coded
+    }
+
+    /// Returns the shape of splats in the visibility pass.
+    pub fn visibility_shape(&self) -> VisibilityShape {
+        if self.has_visibility_squares() {
+            self.surfels.visibility_shape
+        } else {
+            VisibilityShape::Disk
         }
     }
 

@@ -116,6 +116,16 @@ choices! {
 }
 
 choices! {
+    /// Shape of a splat in the visibility pass: the part of its square that hides what is behind.
+    VisibilityShape, "visibility shape" {
+        Disk = "disk", "Disk", "The disk that is blended: nothing is hidden where nothing is drawn";
+        /// The 4D media paper §V, Fig. 3e.
+        Square = "square", "Square",
+            "The whole square, as in the 4D media paper: its corners are not drawn but hide what is behind them";
+    }
+}
+
+choices! {
     /// Falloff kernel of a splat from its centre to its edge.
     Kernel, "kernel" {
         /// The mask of the 4D media paper §V.
@@ -231,6 +241,20 @@ group! {
             label: Label::Unusual(Place::What, "{}"),
             also: &["falloff", "gaussian", "weights"],
             values: Values::Words(Kernel::WORDS),
+        }
+        /// Shape of splats in the visibility pass.
+        visibility_shape: VisibilityShape = VisibilityShape::Disk, "visibility_shape" VISIBILITY_SHAPE {
+            flag: "visibility-shape",
+            value_name: "SHAPE",
+            help: "Shape of splats in the visibility pass (square: the artefacts of the 4D media paper, Fig. 3e)",
+            title: "Visibility shape",
+            hint: "Shape of splats in the visibility pass. Squares hide what is behind their corners, which are not \
+                   drawn: square artefacts at outlines, as in the 4D media paper",
+            section: Section::Surfels,
+            when: |drawn| drawn.has_visibility_squares(),
+            label: Label::Unusual(Place::What, "visibility by {}"),
+            also: &["square artefacts", "depth mask"],
+            values: Values::Words(VisibilityShape::WORDS),
         }
         /// Edge blending: the surface behind the splat edges shines through these, and not the background
         /// ([`rim_px`](crate::scene::rim_px)).

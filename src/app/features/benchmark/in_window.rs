@@ -5,7 +5,8 @@ use super::ReportFormat;
 use super::panel::{BenchmarkRequest, benchmark_ui};
 use crate::app::command::{Command, Offer};
 use crate::app::commands::common::Row;
-use crate::app::features::benchmark::{Benchmark, BenchmarkJob, benchmark_job};
+use crate::app::features::benchmark::setup::setup_ui;
+use crate::app::features::benchmark::{Benchmark, BenchmarkJob, BenchmarkSetup, benchmark_job};
 use crate::app::features::feature::{Feature, FeatureOf};
 use crate::app::open_panels::PanelId;
 use crate::app::panel_row::PanelRow;
@@ -19,7 +20,7 @@ use std::sync::Arc;
 
 impl State {
     /// Measures the open sequence on a thread; playing rests, it would disturb the measurement.
-    pub fn start_benchmark(&mut self, suite: &'static Suite) {
+    pub fn start_benchmark(&mut self, setup: BenchmarkSetup) {
         let Some(player) = &mut self.player else {
             return;
         };
@@ -29,7 +30,8 @@ impl State {
         let sequence = Arc::clone(player.sequence());
         let shown = player.shown().map_or(0, |frame| frame.index);
         let name = self.sequence_name().unwrap_or_default();
-        self.start_benchmark_job(suite.name(), benchmark_job(suite, name, sequence, shown));
+        let job = benchmark_job(setup, name, sequence, shown);
+        self.start_benchmark_job(setup.suite.name(), job);
     }
 
     /// Shows the benchmark window and runs `job` in it.
@@ -54,12 +56,38 @@ impl State {
     }
 }
 
+fn suite_of(name: &str) -> Result<&'static Suite, String> {
+    let suite = suites::all().find(|suite| suite.name() == name);
+    suite.ok_or_else(|| format!("unknown benchmark {name}"))
+}
+
+fn why_not_run(state: &State) -> Result<(), &'static str> {
+    match (&state.player, state.features.benchmark.is_running()) {
+        (None, _) => Err("Nothing is open yet"),
+        (_, true) => Err("A benchmark is under way"),
+        _ => Ok(()),
+    }
+}
+
 const COMMANDS: &[Row] = &[
     Row::taking(Command::RUN_BENCHMARK, "Run a benchmark", "SUITE", |state, name| {
-        let suite = suites::all().find(|suite| suite.name() == name);
-        state.start_benchmark(suite.ok_or_else(|| format!("unknown benchmark {name}"))?);
+        state.start_benchmark(BenchmarkSetup::new(suite_of(name)?));
         Ok(())
     })
+    .applies(why_not_run),
+    Row::taking(
+        Command::SET_UP_BENCHMARK,
+        "Set up a benchmark",
+        "SUITE",
+        |state, name| {
+            let suite = suite_of(name)?;
+            let setup = state.features.benchmark_setup.filter(|setup| setup.suite == suite);
+            // Another suite has other defaults; choices for the same one are kept.
+            state.features.benchmark_setup = Some(setup.unwrap_or_else(|| BenchmarkSetup::new(suite)));
+            state.panels.set(PanelId::BENCHMARK_SETUP, true);
+            Ok(())
+        },
+    )
     .offers(|_, _| {
         let offer = |suite: &'static Suite| {
             Offer::new(format!("Benchmark: {}", suite.title), suite.name())
@@ -68,11 +96,7 @@ const COMMANDS: &[Row] = &[
         };
         suites::all().map(offer).collect()
     })
-    .applies(|state| match (&state.player, state.features.benchmark.is_running()) {
-        (None, _) => Err("Nothing is open yet"),
-        (_, true) => Err("A benchmark is under way"),
-        _ => Ok(()),
-    }),
+    .applies(why_not_run),
     Row::new(Command::panel(PanelId::BENCHMARK), "Show the last result", |state| {
         state.panels.toggle(PanelId::BENCHMARK);
     })
@@ -110,6 +134,29 @@ impl Feature<State> for FeatureOf<Benchmark> {
 
     fn commands(&self) -> &'static [Row] {
         COMMANDS
+    }
+}
+
+impl Feature<State> for FeatureOf<Option<BenchmarkSetup>> {
+    fn panels(&self) -> &'static [PanelRow<State>] {
+        const PANELS: &[PanelRow<State>] = &[PanelRow::window(PanelId::BENCHMARK_SETUP, setup)];
+        PANELS
+    }
+}
+
+/// Shows the start dialog while it is open.
+fn setup(ui: &mut Ui, state: &mut State) {
+    let Some(mut setup) = state.features.benchmark_setup else {
+        return;
+    };
+    let mut is_open = state.panels.has(PanelId::BENCHMARK_SETUP);
+    let lack = why_not_run(state).err();
+    let frame_count = state.player.as_ref().map_or(1, |player| player.sequence().len());
+    let is_started = setup_ui(ui, &mut is_open, &mut setup, frame_count, lack);
+    state.panels.set(PanelId::BENCHMARK_SETUP, is_open && !is_started);
+    state.features.benchmark_setup = Some(setup);
+    if is_started {
+        state.start_benchmark(setup);
     }
 }
 

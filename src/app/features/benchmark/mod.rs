@@ -6,8 +6,10 @@ mod lab;
 pub(in crate::app) mod panel;
 mod pictures;
 mod rates;
+mod setup;
 mod task;
 
+pub use setup::BenchmarkSetup;
 pub(in crate::app) use task::benchmark_job;
 
 use crate::app::work::outcome::Message;

@@ -1,10 +1,10 @@
 //! Benchmarks are run: here, on a thread, or by another window of this program.
 
-use super::{BenchmarkJob, BenchmarkTable};
+use super::{BenchmarkJob, BenchmarkSetup, BenchmarkTable};
 use crate::bench::{self, Step};
 use crate::progress::Progress;
 use crate::render::gpu::{Context, ContextOptions};
-use crate::scene::RendererChoice;
+use crate::scene::{Choice, RendererChoice};
 use crate::sequence::Sequence;
 use crate::source::DEMO_INPUT;
 use crate::temporary::{Helper, Temporary};
@@ -16,39 +16,47 @@ use std::time::Duration;
 /// Polling interval for the measurement of the other window.
 const LOOK_INTERVAL: Duration = Duration::from_millis(100);
 
-/// The job that runs `suite` on `sequence`: with its own GPU context, or in its own window.
+/// The job that runs a suite on `sequence`: with its own GPU context, or in its own window.
 pub(in crate::app) fn benchmark_job(
-    suite: &'static bench::Suite,
+    setup: BenchmarkSetup,
     name: String,
     sequence: Arc<Sequence>,
     shown_frame: usize,
 ) -> BenchmarkJob {
+    let suite = setup.suite;
     if suite.takes(bench::OptionGroup::Window) {
         return Box::new(move |report, progress| {
             report(Step {
                 label: format!("{name}: another window plays, turns and scrubs it"),
                 ..Step::default()
             });
-            window_job(&sequence, progress)
+            window_job(&setup, &sequence, progress)
         });
     }
     Box::new(move |report, progress| {
-        // Without an adapter the CPU renderer is measured alone.
-        let context = Context::headless(&ContextOptions::default()).ok();
+        let context = match setup.renderer {
+            Choice::Is(RendererChoice::Cpu) => None,
+            Choice::Is(RendererChoice::Gpu) => Some(
+                Context::headless(&ContextOptions::default())
+                    .map_err(|error| format!("the GPU cannot be measured: {error}; choose the CPU renderer"))?,
+            ),
+            // Without an adapter the CPU renderer is measured alone.
+            Choice::Auto => Context::headless(&ContextOptions::default()).ok(),
+        };
+        let is_software = context.as_ref().is_none_or(|context| context.is_software());
         let options = bench::BenchOptions {
-            // Modes of a software adapter are never a good choice.
-            modes: if context.as_ref().is_none_or(|context| context.is_software()) {
-                bench::Modes::of_renderer(RendererChoice::Cpu)
-            } else {
-                bench::Modes::default()
+            modes: match setup.renderer {
+                Choice::Is(renderer) => bench::Modes::of_renderer(renderer),
+                // Modes of a software adapter are never a good choice.
+                Choice::Auto if is_software => bench::Modes::of_renderer(RendererChoice::Cpu),
+                Choice::Auto => bench::Modes::default(),
             },
-            truth_folder: bench::BenchOptions::truth_folder_of_person(),
             first_frame: if suite.takes(bench::OptionGroup::FirstFrame) {
                 shown_frame
             } else {
                 0
             },
-            ..bench::BenchOptions::new(suite)
+            ..setup.options()
         };
         let input = bench::Input {
             name,
@@ -63,7 +71,7 @@ pub(in crate::app) fn benchmark_job(
 
 /// Runs this program again to measure another window: one process has one event loop, and this window's would be
 /// measured with the benchmark's panel in it.
-fn window_job(sequence: &Sequence, progress: &Progress) -> Result<BenchmarkTable, String> {
+fn window_job(setup: &BenchmarkSetup, sequence: &Sequence, progress: &Progress) -> Result<BenchmarkTable, String> {
     let say = |error: std::io::Error| format!("the other window cannot be opened: {error}");
     let folder = std::env::temp_dir().join(format!("pointreel-window-{}", std::process::id()));
     let folder = Temporary::folder_and_contents(&folder);
@@ -74,11 +82,19 @@ fn window_job(sequence: &Sequence, progress: &Progress) -> Result<BenchmarkTable
         inputs => inputs.to_vec(),
     };
     let fps = sequence.fps().to_string();
+    let [width, height] = setup.viewport_px;
     let mut command = Command::new(std::env::current_exe().map_err(say)?);
     command
         .args(["bench", "window"])
         .args(inputs)
-        .args(["--fps", &fps, "--json"])
+        .args(["--fps", &fps, "--renderer", setup.renderer.name()])
+        .args([
+            "--size",
+            &format!("{width}x{height}"),
+            "--frames",
+            &setup.frames.to_string(),
+        ])
+        .arg("--json")
         .arg(&file)
         .stdin(Stdio::null())
         .stdout(Stdio::null());

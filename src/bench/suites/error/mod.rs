@@ -439,7 +439,7 @@ impl ErrorSamples {
             draw_ms: Quantiles::of(&self.draw_ms).map_or(0.0, |q| q.median),
             flip: mean(&self.flip_object),
             flip_over_time: mean(&self.flip_over_time),
-            is_on_front: [false; LabError::ALL.len()],
+            on_fronts: [false; LabError::ALL.len()],
             picture,
             error_map,
         }
@@ -471,8 +471,8 @@ impl ErrorSamples {
         Row::new(vec![
             Cell::Text(point.sequence.clone()),
             Cell::Text(point.label.clone()),
-            text_if(point.is_on_front[0], "yes"),
-            text_if(point.is_on_front[1], "yes"),
+            text_if(point.is_on_front(LabError::Image), "yes"),
+            text_if(point.is_on_front(LabError::OverTime), "yes"),
             Cell::Text(
                 self.truths
                     .iter()

@@ -109,7 +109,6 @@ fn measure_sequence(
     let kinds = SceneKind::of(subject);
     run.add_steps(kinds.len() * (1 + variants.len()));
     let mut rows = Vec::new();
-    let mut point_counts = Vec::new();
     for kind in kinds {
         run.begin_step(format!("{}: {}", subject.name, kind.name()))?;
         let pictures = scenes.pictures(run, kind)?;
@@ -117,13 +116,6 @@ fn measure_sequence(
             run.note(format!("{}: {}: skipped", subject.name, kind.name()));
             continue;
         }
-        point_counts.extend(
-            pictures
-                .views
-                .iter()
-                .flatten()
-                .map(|picture| picture.frame.points.len() as f64),
-        );
         for way in variants {
             run.begin_step(format!("{}: {}: {}", subject.name, kind.name(), label(way)))?;
             let mut samples = Samples::default();
@@ -133,7 +125,7 @@ fn measure_sequence(
             rows.push(samples.row([subject.name, kind.name(), pictures.truth], way));
         }
     }
-    run.finish(subject, &point_counts, &[], rows);
+    run.finish(subject, &[scenes.point_count() as f64], &[], rows);
     Ok(())
 }
 

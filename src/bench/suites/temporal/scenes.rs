@@ -131,6 +131,11 @@ impl<'a> Scenes<'a> {
         }))
     }
 
+    /// Points of the first frame.
+    pub(super) fn point_count(&self) -> usize {
+        self.frame.points.len()
+    }
+
     /// The images of a scene from each viewpoint; none without frames that can be measured.
     pub(super) fn pictures(&self, run: &mut Run<'_>, kind: SceneKind) -> Result<Pictures, BenchError> {
         let count = self.frame.points.len();

@@ -5,6 +5,9 @@
 pub trait Conditions {
     /// True if surfels are drawn, from byte codes if the CPU draws.
     fn asks_for_codes(&self) -> bool;
+    /// See `Style::has_visibility_squares`.
+    fn has_visibility_squares(&self) -> bool;
+
     /// See `Style::blends_surfels`.
     fn blends_surfels(&self) -> bool;
     /// Returns true if the GPU draws surfels on their planes, and pixels outside their disks are not seen.

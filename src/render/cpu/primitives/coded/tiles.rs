@@ -239,7 +239,7 @@ impl CodedTiles<'_> {
         };
         let [visibility, attribute] = self.coded.scales;
         if let Some(facet) = facet(visibility) {
-            raster::visibility(simd, tile, &facet, self.push_back(node));
+            raster::visibility(simd, tile, &facet, self.push_back(node), Outline::Disk);
         }
         if !self.is_depth_only
             && let Some(facet) = facet(attribute)

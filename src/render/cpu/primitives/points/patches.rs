@@ -127,7 +127,7 @@ impl Points<'_> {
                 continue;
             };
             match pass {
-                Pass::Visibility => raster::visibility(simd, tile, &facet, push_back[lane]),
+                Pass::Visibility => raster::visibility(simd, tile, &facet, push_back[lane], Outline::Disk),
                 Pass::Attribute => {
                     let shading = self.shading(view, &seen, lane, &facet);
                     raster::attribute(simd, tile, &facet, &shading, Kernel::Gaussian);

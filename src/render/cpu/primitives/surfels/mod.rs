@@ -16,7 +16,9 @@ use crate::render::cpu::shading::{BACK_SIDE, Light, Shading, SurfaceNormal, seen
 use crate::render::cpu::small_splats::{EightSmall, MAX_REACH_OF_SMALL_PX, SmallSums, are_small};
 use crate::render::cpu::tile::{LANES, Tile};
 use crate::render::cpu::view::{PixelRect, PixelView};
-use crate::scene::{DrawSettings, Lighting, Primitive, ScenePacket, SplatFilter, Splatting, Surfels as SurfelRecords};
+use crate::scene::{
+    DrawSettings, Lighting, Primitive, ScenePacket, SplatFilter, Splatting, Surfels as SurfelRecords, VisibilityShape,
+};
 use eight::{EightCenters, EightSurfels};
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x8};
 use std::ops::Range;
@@ -196,6 +198,14 @@ impl<'a> Surfels<'a> {
         if self.is_filtered() { EWA_REACH_PX } else { 0.0 }
     }
 
+    /// Outline of splats in the visibility pass.
+    fn visibility_outline(&self) -> Outline {
+        match self.style.visibility_shape() {
+            VisibilityShape::Disk => Outline::Disk,
+            VisibilityShape::Square => Outline::Parallelogram,
+        }
+    }
+
     /// Returns the canvas for drawing whole disks.
     fn canvas<'v>(&self, view: &'v PixelView, clip: PixelRect) -> Canvas<'v> {
         Canvas {
@@ -233,10 +243,11 @@ impl<'a> Surfels<'a> {
             return Fate::Drawn;
         }
         // Corners of squares are equally far away, whether disks or ellipses touch their edges.
-        let are_squares = matches!(
-            self.style.surfels.splatting,
-            Splatting::Regular | Splatting::NoDepth | Splatting::Sorted
-        );
+        let are_squares = self.visibility_outline() == Outline::Parallelogram
+            || matches!(
+                self.style.surfels.splatting,
+                Splatting::Regular | Splatting::NoDepth | Splatting::Sorted
+            );
         let reach = if are_squares {
             f32x8::splat(simd, SQUARE_REACH_RADII)
         } else {
@@ -304,15 +315,17 @@ impl<'a> Surfels<'a> {
                 // edge-on extend far beyond it, towards the eye as well, and occluded splats they should blend with.
                 let splats = seen.splats(simd, visibility);
                 let push_back = self.push_back(simd, view, seen, visibility);
+                canvas.outline = self.visibility_outline();
                 let facets = splats.facets(simd, &canvas, seen);
                 for lane in 0..LANES {
                     if let Some(facet) = facets.get(lane) {
-                        raster::visibility(simd, tile, &facet, push_back[lane]);
+                        raster::visibility(simd, tile, &facet, push_back[lane], canvas.outline);
                     }
                 }
                 if surfels.splatting == Splatting::Visibility {
                     return;
                 }
+                canvas.outline = Outline::Disk;
                 let mut splats = seen.splats(simd, attribute);
                 match self.filter {
                     SplatFilter::Off => {}
