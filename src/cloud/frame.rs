@@ -18,8 +18,8 @@ use std::sync::Arc;
 ///
 /// Invariants, ensured by [`Frame::from_raw`]: every position and scalar is finite; normals are of unit length, or zero
 /// where the file gave none that can be used; radii are finite and not negative; ellipses are present only together
-/// with normals and radii; points are in the order of their Morton codes in [`Frame::cube`], those in one finest cell in
-/// the order of the file.
+/// with normals and radii; points are in the order of their Morton codes in [`Frame::cube`], those in one finest cell
+/// in the order of the file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
     positions: Vec<Vec3>,

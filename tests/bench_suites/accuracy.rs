@@ -154,7 +154,7 @@ fn assert_levels_of_detail(report: &Report) {
         assert!(shares.windows(2).all(|pair| pair[0] <= pair[1]), "{shares:?}");
         assert!(shares[0] > 0.0 && shares[4] < 0.5, "{shares:?}");
         // The ground truth has no error.
-        for key in ["psnr_db", "flip_mean", "flip_object_mean", "flip_max"] {
+        for key in ["psnr_db", "flip_mean", "flip_object_mean", "flip_max", "flip_over_time"] {
             assert_eq!(report.value(rows[0], key), Some(&Cell::Missing), "{key}");
         }
         let compared = &rows[1..];
@@ -170,6 +170,8 @@ fn assert_levels_of_detail(report: &Report) {
                 "background is right, and the mean is no more than the largest: {errors:?}"
             );
         }
+        let over_time = column(report, compared, "flip_over_time");
+        assert!(over_time[3] > over_time[0] && over_time[0] > 0.0, "{over_time:?}");
         let to_surfels = column(report, rows, "flip_surfels_mean");
         assert!(
             to_surfels.iter().all(|error| (0.01..1.0).contains(error)),

@@ -3,6 +3,7 @@
 //! A suite is a file here, which has its [`Suite`] and its loop, and a row.
 
 mod accuracy;
+mod coded;
 mod draw;
 mod error;
 mod lod;
@@ -23,6 +24,7 @@ mod vdts;
 mod window;
 
 pub use accuracy::ACCURACY;
+pub use coded::CODED;
 pub use draw::{SURFELS, VOXELS};
 pub use error::ERROR;
 pub use lod::LOD;
@@ -57,6 +59,7 @@ const TABLE: &[(&Suite, Measure)] = &[
     (TEMPORAL, temporal::measure),
     (LOD, lod::measure),
     (PRIMITIVES, primitives::measure),
+    (CODED, coded::measure),
     (REEL, reel::measure),
     (RATE, reel::measure_rates),
     (RGBD, rgbd::measure),

@@ -1,7 +1,7 @@
 //! Rendering of surfels from byte codes of the octree.
 
 use super::choices::choices;
-use super::describe::{Label, Place, Section, Values, group};
+use super::describe::{Label, Numbers, Place, Section, Typed, Values, group};
 
 choices! {
     /// Footprint shape and source that the software renderer draws surfels from. Effective in the splatting modes that
@@ -98,6 +98,27 @@ group! {
             full_name: "Offset bits",
             also: &["quantization"],
             values: Values::Words(OffsetBits::WORDS),
+        }
+        /// Nodes that are culled and decoded together, on average.
+        // Enough to pay for finding a block, few enough to be in one tile.
+        block_nodes: f32 = 48.0, "block_nodes" BLOCK_NODES {
+            flag: "block-nodes",
+            value_name: "N",
+            help: "Nodes of a byte code that are culled and decoded together",
+            title: "Block size",
+            hint: "Nodes of the byte code that are culled and decoded together, on average. The image is the same, its \
+                   speed differs",
+            section: Section::Footprints,
+            when: |drawn| drawn.asks_for_codes(),
+            label: Label::Unusual(Place::What, "blocks of {}"),
+            also: &["culling granularity"],
+            values: Values::Number(Numbers {
+                retained: [1.0, 1_000_000.0],
+                offered: [1.0, 4096.0],
+                typed: Typed::WholePositive,
+                is_logarithmic: true,
+                ..Numbers::USUAL
+            }),
         }
     }
 }

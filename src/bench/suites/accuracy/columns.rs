@@ -59,6 +59,7 @@ pub(super) const COLUMNS: &[Column] = &[
     Column::number("flip_mean", "FLIP", 4),
     Column::number("flip_object_mean", "FLIP of object", 4),
     Column::number("flip_max", "most", 4),
+    Column::number("flip_over_time", "FLIP over time", 4),
     Column::number("flip_surfels_mean", "to surfels", 4),
     Column::percent("covered", "covered", 2),
     Column::percent("outside", "outside", 2),

@@ -3,7 +3,8 @@
 //! How it works: each frame is drawn as voxels from around it, as a whole and from farther away, once with all its
 //! leaves (τ = 0, the ground truth) and once for each τ. PSNR is computed from the mean squared error over all images.
 //! Most of an image is background, which is always right, so FLIP is given over the image and over the pixels that show
-//! the object in either image.
+//! the object in either image. The camera then turns by half a degree: how much the change from one image to the next
+//! differs from that of all leaves is the error over time.
 //!
 //! All leaves are the ground truth for the omissions of the threshold, not for the surface: at a small δ nearly every
 //! point has its own leaf, smaller than its share of the surface, and coarser cells close the gaps. So each image is
@@ -16,6 +17,8 @@ use crate::bench::report::{Cell, Row};
 use crate::bench::run::Run;
 use crate::bench::statistics::mean;
 use crate::bench::subject::Subject;
+use crate::bench::suites::error::turned;
+use crate::bench::suites::error::view::of_change;
 use crate::bench::suites::paper_style::{surfel_style, voxel_style_at};
 use crate::bench::suites::traversals::Traversals;
 use crate::bench::{BenchError, Quantiles};
@@ -41,6 +44,7 @@ struct ThresholdSamples {
     flip: Vec<f64>,
     flip_object: Vec<f64>,
     flip_max: f64,
+    flip_over_time: Vec<f64>,
     flip_surfels: Vec<f64>,
 }
 
@@ -54,20 +58,22 @@ impl LodSamples {
     ) -> Result<(), BenchError> {
         let cameras = subject.views(frame, run.options.viewpoints, distance);
         for camera in &cameras {
-            let mut draw = |style| draw(run, subject, frame, camera, style);
-            let style = LOD_PX.map(voxel_style_at);
-            let drawings: Vec<DrawnView> = std::iter::once(surfel_style())
-                .chain(style)
-                .map(&mut draw)
+            let next_camera = turned(*camera, 1);
+            let of_next = LOD_PX.map(|lod_px| (&next_camera, voxel_style_at(lod_px)));
+            let of_this = LOD_PX.map(|lod_px| (camera, voxel_style_at(lod_px)));
+            let drawings: Vec<DrawnView> = std::iter::once((camera, surfel_style()))
+                .chain(of_this)
+                .chain(of_next)
+                .map(|(camera, style)| draw(run, subject, frame, camera, style))
                 .collect::<Result<_, _>>()?;
-            let mut pictures = parts(&drawings);
-            let (Some(surfels), Some(truth)) = (pictures.next(), pictures.next()) else {
-                continue;
-            };
-            self.0[0].add(&truth, &surfels)?;
-            for (picture, samples) in pictures.zip(&mut self.0[1..]) {
-                samples.add(&picture, &surfels)?;
-                samples.compare(&picture, &truth)?;
+            let pictures: Vec<ObjectPart> = parts(&drawings).collect();
+            let (surfels, pictures) = (&pictures[0], &pictures[1..]);
+            let (pictures, next) = pictures.split_at(LOD_PX.len());
+            for (index, samples) in self.0.iter_mut().enumerate() {
+                samples.add(&pictures[index], surfels)?;
+                if index > 0 {
+                    samples.compare([&pictures[index], &next[index]], [&pictures[0], &next[0]])?;
+                }
             }
         }
         for (lod_px, samples) in LOD_PX.into_iter().zip(&mut self.0) {
@@ -93,8 +99,11 @@ impl ThresholdSamples {
         Ok(())
     }
 
-    fn compare(&mut self, picture: &ObjectPart, truth: &ObjectPart) -> Result<(), BenchError> {
-        let error = picture.compare(truth)?;
+    /// Compares two consecutive images with the truth of both.
+    fn compare(&mut self, pictures: [&ObjectPart; 2], truths: [&ObjectPart; 2]) -> Result<(), BenchError> {
+        let change = of_change(pictures.map(ObjectPart::image), truths.map(|truth| Some(truth.image())))?;
+        self.flip_over_time.push(change.flip);
+        let error = pictures[0].compare(truths[0])?;
         self.squared_error.push(error.squared);
         self.flip.push(error.flip_mean);
         self.flip_object.push(error.flip_object_mean);
@@ -124,6 +133,7 @@ impl ThresholdSamples {
                 ("flip_mean", if_compared(mean(&self.flip))),
                 ("flip_object_mean", if_compared(mean(&self.flip_object))),
                 ("flip_max", if_compared(self.flip_max)),
+                ("flip_over_time", if_compared(mean(&self.flip_over_time))),
                 ("flip_surfels_mean", Cell::Number(mean(&self.flip_surfels))),
                 ("pictures", Cell::Number(self.object_share.len() as f64)),
             ],

@@ -128,6 +128,11 @@ impl ObjectPart {
         mean * self.shows_object.len() as f64 / self.whole_count.max(1) as f64
     }
 
+    /// The image.
+    pub(super) fn image(&self) -> &RgbaImage {
+        &self.image
+    }
+
     /// Part of the whole drawing that shows the object, 0 to 1.
     pub(super) fn object_share(&self) -> f64 {
         let covered = self.shows_object.iter().filter(|&&shows| shows).count();

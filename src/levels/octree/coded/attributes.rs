@@ -85,6 +85,11 @@ impl NodeAttributes {
         radius_of_code(self.radius_code())
     }
 
+    /// The half angle of the normal cone in steps.
+    pub(crate) fn cone_code(self) -> u8 {
+        self.cone
+    }
+
     /// Half angle of a cone around the normal that holds the normals of all nodes below, in radians.
     pub fn cone(self) -> f32 {
         f32::from(self.cone) * (PI / CONE_STEPS)

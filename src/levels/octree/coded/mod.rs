@@ -25,11 +25,13 @@
 
 mod attributes;
 mod build;
+mod orders;
 #[cfg(test)]
 mod tests;
 
 pub use attributes::{LARGEST_OFFSET, NodeAttributes};
 pub(crate) use attributes::{offset_of_code, radius_of_code};
+pub use orders::DepthFirstCode;
 
 use super::{Octree, StopCriterion, stop::Leaves};
 use crate::cloud::{FINEST_NORMAL_BITS, PointRecord, ShapeRecord};

@@ -20,6 +20,8 @@ pub(in crate::render::cpu) struct Coded<'a> {
     pub(super) are_pixels: bool,
     pub(super) normal_bits: u32,
     pub(super) offset_bits: u32,
+    /// Nodes that a block stands for, on average.
+    pub(super) block_nodes: usize,
     /// Factors on radii in the visibility and in the attribute pass.
     pub(super) scales: [f32; 2],
     /// Depth bias of the visibility pass, in radii.
@@ -39,6 +41,7 @@ impl<'a> Coded<'a> {
             are_pixels: style.codes.footprint == Footprint::Pixels,
             normal_bits: style.codes.normal_bits.bits(),
             offset_bits: style.codes.offset_bits.bits(),
+            block_nodes: style.codes.block_nodes as usize,
             scales: scales.map(|scale| scale * surfels.splat_scale),
             slack_radii: depth_slack_radii(style),
         }

@@ -20,9 +20,6 @@ use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Nodes that a block stands for, on average: enough to pay for finding it, few enough to be in one tile.
-const NODES_PER_BLOCK: usize = 48;
-
 /// A node, all of which is drawn on one level.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Block {
@@ -69,7 +66,7 @@ impl<'a> Traversal<'a> {
         let cloud = coded.cloud;
         let block_level = |drawn: u32| {
             let count = cloud.level(drawn).len();
-            let is_above = |&level: &u32| NODES_PER_BLOCK * cloud.level(level).len() <= count;
+            let is_above = |&level: &u32| coded.block_nodes * cloud.level(level).len() <= count;
             (0..=drawn).rev().find(is_above).unwrap_or(0)
         };
         Self {

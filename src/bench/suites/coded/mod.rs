@@ -1,0 +1,144 @@
+//! Table 1 of Botsch et al. 2002: the size of byte codes and their attributes, the orders of the code, and the speed of
+//! drawing from it.
+//!
+//! | table | measured |
+//! |---|---|
+//! | [`sizes`] | bits of each stream per leaf, as they are and packed by gzip |
+//! | [`orders`] | depth-first against breadth-first: writing, decoding, decoding with half of the nodes culled |
+//! | [`drawings`] | points and splats per second, by footprint, precision and size of blocks |
+//! | [`equal_time`] | error of points and splats that take as long as the mesh (Fig. 11) |
+
+mod columns;
+mod drawings;
+mod equal_time;
+mod orders;
+mod sizes;
+
+use crate::bench::BenchError;
+use crate::bench::run::Run;
+use crate::bench::runner::Runner;
+use crate::bench::subject::Subject;
+use crate::bench::suite::{Defaults, Suite};
+use crate::levels::octree::{CodedCloud, Octree, StopCriterion};
+use crate::levels::{LevelsKey, LevelsKind};
+use crate::progress::Progress;
+use crate::render::AnyRenderer;
+use crate::scene::{Footprint, Lighting, RendererChoice, Scene, Style};
+use crate::sequence::{Needs, Paint, PreparedFrame, PreparedMesh, Shape};
+use std::sync::Arc;
+
+/// Sizes and speeds of byte codes.
+pub const CODED: &Suite = &Suite {
+    name: "coded",
+    brief: "byte codes: Table 1 of Botsch et al. 2002",
+    title: "Byte codes",
+    hint: "Bits per point by stream, orders of the code, points and splats per second of the CPU renderer (Botsch et al. \
+           2002, Table 1)",
+    description: "byte codes of octrees and their attributes: size, order, drawing on the CPU",
+    measured: "sizes: bits per leaf of each stream, of a tree by the paper's δ of 5 % and of one whose cells are about as \
+        large as the spacing, as it is and by gzip, of all nodes and of leaves alone. orders: writing the code from \
+        sorted points, and decoding it to the centres of all leaves, and of those on one side of the cloud, on one \
+        thread. drawing: time from packet to image on all threads, and PSNR against exact disks. equal time: the finest \
+        level that takes no longer than the mesh, PSNR against the image of the mesh",
+    not_measured: "decoding files, normals, radii, sorting, showing; the paper's machine had an 800 MHz Pentium III",
+    covered_by: "surfels",
+    defaults: Defaults {
+        viewport_px: [640, 480],
+        viewpoints: 2,
+        frames: 1,
+    },
+    takes: &[],
+    is_of_paper: false,
+    has_paper_layout: false,
+    columns: columns::COLUMNS,
+    headline: "mrecords_per_s",
+    bars_title: "Millions of points or splats per second on the CPU",
+    bar_labels: 3,
+};
+
+/// One step to prepare a frame, one each for the tables.
+const STEPS_PER_FRAME: usize = 5;
+
+/// Byte codes are drawn by the CPU alone.
+fn style() -> Style {
+    Style::default().with(|style| {
+        style.drawing.renderer = RendererChoice::Cpu;
+        style.light.lighting = Lighting::PerSurfel;
+        style.codes.footprint = Footprint::Masks;
+    })
+}
+
+/// The frame with its byte code, and with triangles: those of its file, or those of a shape.
+fn needs() -> Needs {
+    Needs {
+        levels: Some(LevelsKey {
+            kind: LevelsKind::Codes,
+            stop: StopCriterion::PAPER,
+        }),
+        ..Scene::needs(&style())
+    }
+}
+
+/// A frame whose byte code is measured.
+struct Subjected<'a> {
+    subject: &'a Subject<'a>,
+    frame: PreparedFrame,
+    octree: Arc<Octree>,
+    cloud: Arc<CodedCloud>,
+}
+
+pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
+    let mut processor = Runner::new(AnyRenderer::cpu());
+    for subject in run.subjects(STEPS_PER_FRAME)? {
+        measure_sequence(run, &mut processor, &subject)?;
+    }
+    Ok(())
+}
+
+/// Measures the first of the chosen frames that can be read: sizes and times of several would be their means, of which
+/// none is a size.
+fn measure_sequence(run: &mut Run<'_>, processor: &mut Runner, subject: &Subject<'_>) -> Result<(), BenchError> {
+    let mut first_failure = None;
+    for &index in &subject.chosen {
+        let frame = match run.load(subject, index, STEPS_PER_FRAME, &needs())? {
+            Ok(frame) => frame,
+            Err(reason) => {
+                first_failure.get_or_insert(reason);
+                continue;
+            }
+        };
+        let (Some(octree), Some(cloud)) = (frame.levels.octree(), frame.levels.codes()) else {
+            continue;
+        };
+        let subjected = Subjected {
+            subject,
+            octree: Arc::clone(octree),
+            cloud: Arc::clone(cloud),
+            frame: with_mesh(subject, index, frame),
+        };
+        let named = subject.named(index);
+        let mut rows = Vec::new();
+        run.begin_step(format!("{named}: sizes"))?;
+        rows.extend(sizes::rows(&subjected));
+        run.begin_step(format!("{named}: orders"))?;
+        rows.extend(orders::rows(run, &subjected)?);
+        run.begin_step(format!("{named}: drawing"))?;
+        rows.extend(drawings::rows(run, processor, &subjected)?);
+        run.begin_step(format!("{named}: equal time"))?;
+        rows.extend(equal_time::rows(run, processor, &subjected)?);
+        run.finish(subject, &[subjected.frame.points.len() as f64], &[], rows);
+        return Ok(());
+    }
+    Run::check_measured(subject, &[], first_failure)
+}
+
+/// The frame with the triangles of its file; a torus with a mesh of the same number of vertices.
+fn with_mesh(subject: &Subject<'_>, index: usize, mut frame: PreparedFrame) -> PreparedFrame {
+    let mesh = match subject.shape {
+        Some(Shape::Torus) => super::torus_mesh::torus_mesh(frame.points.len()).ok(),
+        _ => subject.sequence.load_mesh(index, &Progress::default()).ok(),
+    };
+    let mesh = mesh.filter(|mesh| !mesh.triangles().is_empty());
+    frame.mesh = mesh.map(|mesh| PreparedMesh::new(Arc::new(mesh), &Paint::File));
+    frame
+}
