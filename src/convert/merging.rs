@@ -6,7 +6,7 @@
 use super::conversion::{Conversion, Output};
 use super::error::ConvertError;
 use super::estimate::SampleFrame;
-use crate::messages::grouped;
+use crate::messages::{counted, grouped};
 use crate::reel::{Precision, ReelOptions};
 use crate::sequence::Sequence;
 use std::fmt;
@@ -67,13 +67,13 @@ impl fmt::Display for MergePrice {
         let megabytes = |bytes: f64| format!("{:.2} MB", bytes / 1e6);
         write!(
             f,
-            "merges {} of {} points per frame ({:.0} %): about {} instead of {} for {} frames, by frame {}",
+            "merges {} of {} points per frame ({:.0} %): about {} instead of {} for {}, by frame {}",
             grouped(merged.round()),
             grouped(self.points.round()),
             100.0 * merged / self.points.max(1.0),
             megabytes(self.merged_bytes),
             megabytes(self.whole_bytes),
-            grouped(self.frames),
+            counted(self.frames as i64, "frame"),
             self.frame
         )
     }

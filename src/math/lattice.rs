@@ -201,12 +201,12 @@ mod tests {
             let corner = ((small.min - large.min) / cell).round().as_u64vec3().to_array();
             let (in_small, in_large) = (small.cells(&points), large.cells(&more));
             for (few, many) in in_small.iter().zip(&in_large) {
-                for axis in 0..3 {
+                for (axis, corner) in corner.into_iter().enumerate() {
                     let few = u64::from(few.coordinate(axis, LEVELS - level as u32));
                     let many = u64::from(many.coordinate(axis, LEVELS));
                     let last = u64::from((FINEST_CELLS >> level) - 1);
                     // Points on the upper face of the small cube are in its last cells.
-                    prop_assert!(many == corner[axis] + few || few == last && many == corner[axis] + few + 1);
+                    prop_assert!(many == corner + few || few == last && many == corner + few + 1);
                 }
             }
         }

@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking, in its helpers too")]
 
 mod accuracy;
+mod coded;
 #[path = "../common/mod.rs"]
 mod common;
 mod drawing;

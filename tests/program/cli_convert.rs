@@ -295,7 +295,12 @@ fn merging_states_its_cost_beforehand() {
     let said = String::from_utf8_lossy(&done.stderr).into_owned();
     let (left, written) = points(&merged);
     assert!(left < written, "{left} of {written}");
-    let price = format!("merges {} of {written} points per frame", written - left);
+    let grouped = |count: u64| format!("{},{:03}", count / 1000, count % 1000);
+    let price = format!(
+        "merges {} of {} points per frame",
+        grouped(written - left),
+        grouped(written)
+    );
     assert!(said.contains(&price) && said.contains(" instead of "), "{said}");
     assert!(String::from_utf8_lossy(&done.stdout).contains(&format!("{left} points (of {written}")));
 }

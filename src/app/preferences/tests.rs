@@ -9,7 +9,7 @@ use crate::scene::{
     EyeDome, Footprint, Kernel, LevelStructure, LevelStyle, LightRig, LightSettings, Lighting, NormalBits, NormalFit,
     NormalSource, OffsetBits, OnOff, PhotoClipping, PhotoGains, PhotoHoles, PhotoMode, PhotoRelight, PhotoStyle,
     PointLight, PointShape, PointSizing, PointStyle, Primitive, RendererChoice, SplatFilter, SplatGeometry, Splatting,
-    Strategy, SurfelColors, SurfelSettings, VoxelLight, VoxelStyle,
+    Strategy, SurfelColors, SurfelSettings, VisibilityShape, VoxelLight, VoxelStyle,
 };
 use crate::sequence::{ColorRange, ColorSource, Coloring, FieldName};
 use proptest::prelude::{Just, prop, prop_assert_eq, prop_oneof, proptest};
@@ -27,6 +27,7 @@ fn unusual() -> Preferences {
                 geometry: SplatGeometry::Triangle,
                 kernel: Kernel::Hat,
                 rims: OnOff::Off,
+                visibility_shape: VisibilityShape::Square,
                 normals: NormalSource::Screen,
                 shown: SurfelColors::NormalErrors,
                 splat_scale: 1.25,
@@ -55,6 +56,7 @@ fn unusual() -> Preferences {
                 footprint: Footprint::Masks,
                 normal_bits: NormalBits::Fifteen,
                 offset_bits: OffsetBits::Two,
+                block_nodes: 96.0,
             },
             light: LightSettings {
                 lighting: Lighting::PerVertex.into(),

@@ -76,6 +76,7 @@ fn of_version_1() -> Settings {
             footprint: Footprint::Masks,
             normal_bits: NormalBits::Fifteen,
             offset_bits: OffsetBits::Two,
+            block_nodes: 96.0,
         },
         light: LightSettings {
             lighting: Lighting::PerVertex.into(),

@@ -34,9 +34,9 @@ pub const ACCURACY: &Suite = &Suite {
         least squares and robust, from k neighbours, given or chosen automatically by the noise found. leaves: from \
         points to the centres of their leaves, scene units and cell edges. lod: images of voxels, the whole object in \
         view and from 4 times as far, against those of all leaves, τ = 0 (– is the truth itself, or a PSNR of equal \
-        images): PSNR and FLIP over the image, FLIP over the pixels that show the object; over time: mean difference between the FLIP of two images of a \
-        camera that turns by half a degree and that of all leaves; to surfels: the same \
-        against surfels",
+        images): PSNR and FLIP over the image, FLIP over the pixels that show the object; over time: mean difference \
+        between the FLIP of two images of a camera that turns by half a degree and that of all leaves; to surfels: the \
+        same against surfels",
     not_measured: "decoding, orientation of normals, radii, building octrees, drawing",
     covered_by: "surfels",
     defaults: Defaults::PROTOCOL,

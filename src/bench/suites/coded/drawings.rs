@@ -26,7 +26,7 @@ const MODES: [Mode; 13] = [
     }),
     ("masks, no offsets", |style| style.codes.offset_bits = OffsetBits::None),
     ("masks, offsets 2 bits", |style| {
-        style.codes.offset_bits = OffsetBits::Two
+        style.codes.offset_bits = OffsetBits::Two;
     }),
     ("masks, light per pixel", |style| {
         style.light.lighting = Lighting::PerFragment;
@@ -106,7 +106,7 @@ impl Samples {
         row(
             DRAWING,
             &[
-                ("sequence", Cell::Text(of.subject.name.to_owned())),
+                ("sequence", Cell::Text(of.name.clone())),
                 ("way", Cell::Text(mode.to_owned())),
                 ("view", Cell::Text(view.to_owned())),
                 ("records", Cell::Number(records)),

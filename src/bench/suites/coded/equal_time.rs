@@ -88,7 +88,7 @@ fn row_of(of: &Subjected<'_>, mode: &str, level: Option<u32>, drawn: &Timed, psn
     row(
         EQUAL_TIME,
         &[
-            ("sequence", Cell::Text(of.subject.name.to_owned())),
+            ("sequence", Cell::Text(of.name.clone())),
             ("way", Cell::Text(mode.to_owned())),
             ("level", Cell::maybe(level.map(f64::from))),
             ("records", Cell::Number(drawn.records)),

@@ -32,14 +32,14 @@ pub const CODED: &Suite = &Suite {
     name: "coded",
     brief: "byte codes: Table 1 of Botsch et al. 2002",
     title: "Byte codes",
-    hint: "Bits per point by stream, orders of the code, points and splats per second of the CPU renderer (Botsch et al. \
-           2002, Table 1)",
+    hint: "Bits per point by stream, orders of the code, points and splats per second of the CPU renderer (Botsch et \
+           al. 2002, Table 1)",
     description: "byte codes of octrees and their attributes: size, order, drawing on the CPU",
-    measured: "sizes: bits per leaf of each stream, of a tree by the paper's δ of 5 % and of one whose cells are about as \
-        large as the spacing, as it is and by gzip, of all nodes and of leaves alone. orders: writing the code from \
+    measured: "sizes: bits per leaf of each stream, of a tree by the paper's δ of 5 % and of one whose cells are about \
+        as large as the spacing, as it is and by gzip, of all nodes and of leaves alone. orders: writing the code from \
         sorted points, and decoding it to the centres of all leaves, and of those on one side of the cloud, on one \
-        thread. drawing: time from packet to image on all threads, and PSNR against exact disks. equal time: the finest \
-        level that takes no longer than the mesh, PSNR against the image of the mesh",
+        thread. drawing: time from packet to image on all threads, and PSNR against exact disks. equal time: the \
+        finest level that takes no longer than the mesh, PSNR against the image of the mesh",
     not_measured: "decoding files, normals, radii, sorting, showing; the paper's machine had an 800 MHz Pentium III",
     covered_by: "surfels",
     defaults: Defaults {
@@ -82,6 +82,8 @@ fn needs() -> Needs {
 /// A frame whose byte code is measured.
 struct Subjected<'a> {
     subject: &'a Subject<'a>,
+    /// Name in the rows: of the frame if several are measured.
+    name: String,
     frame: PreparedFrame,
     octree: Arc<Octree>,
     cloud: Arc<CodedCloud>,
@@ -95,9 +97,9 @@ pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {
     Ok(())
 }
 
-/// Measures the first of the chosen frames that can be read: sizes and times of several would be their means, of which
-/// none is a size.
+/// Rows for each frame: means over several would be the size of none.
 fn measure_sequence(run: &mut Run<'_>, processor: &mut Runner, subject: &Subject<'_>) -> Result<(), BenchError> {
+    let (mut rows, mut point_counts) = (Vec::new(), Vec::new());
     let mut first_failure = None;
     for &index in &subject.chosen {
         let frame = match run.load(subject, index, STEPS_PER_FRAME, &needs())? {
@@ -110,14 +112,18 @@ fn measure_sequence(run: &mut Run<'_>, processor: &mut Runner, subject: &Subject
         let (Some(octree), Some(cloud)) = (frame.levels.octree(), frame.levels.codes()) else {
             continue;
         };
+        point_counts.push(frame.points.len() as f64);
+        let named = subject.named(index);
         let subjected = Subjected {
             subject,
+            name: match subject.chosen.len() {
+                1 => subject.name.to_owned(),
+                _ => named.clone(),
+            },
             octree: Arc::clone(octree),
             cloud: Arc::clone(cloud),
             frame: with_mesh(subject, index, frame),
         };
-        let named = subject.named(index);
-        let mut rows = Vec::new();
         run.begin_step(format!("{named}: sizes"))?;
         rows.extend(sizes::rows(&subjected));
         run.begin_step(format!("{named}: orders"))?;
@@ -126,10 +132,10 @@ fn measure_sequence(run: &mut Run<'_>, processor: &mut Runner, subject: &Subject
         rows.extend(drawings::rows(run, processor, &subjected)?);
         run.begin_step(format!("{named}: equal time"))?;
         rows.extend(equal_time::rows(run, processor, &subjected)?);
-        run.finish(subject, &[subjected.frame.points.len() as f64], &[], rows);
-        return Ok(());
     }
-    Run::check_measured(subject, &[], first_failure)
+    Run::check_measured(subject, &point_counts, first_failure)?;
+    run.finish(subject, &point_counts, &[], rows);
+    Ok(())
 }
 
 /// The frame with the triangles of its file; a torus with a mesh of the same number of vertices.

@@ -45,15 +45,15 @@ pub(super) fn rows(run: &Run<'_>, of: &Subjected<'_>) -> Result<Vec<Row>, BenchE
         };
         time(&mut breadth.write, &mut || drop(black_box(of.octree.masks())));
         time(&mut depth.write, &mut || {
-            drop(black_box(DepthFirstCode::of(&of.octree)))
+            drop(black_box(DepthFirstCode::of(&of.octree)));
         });
         let all = |_: u32, _: Vec3| true;
         let mut sum = Vec3::ZERO;
         time(&mut breadth.decode, &mut || {
-            of.cloud.leaves(all, |_, center| sum += center)
+            of.cloud.leaves(all, |_, center| sum += center);
         });
         time(&mut depth.decode, &mut || {
-            depth_first.leaves(all, |_, center| sum += center)
+            depth_first.leaves(all, |_, center| sum += center);
         });
         culled_leaves = [0; 2];
         time(&mut breadth.culled, &mut || {
@@ -81,7 +81,7 @@ pub(super) fn rows(run: &Run<'_>, of: &Subjected<'_>) -> Result<Vec<Row>, BenchE
         row(
             ORDERS,
             &[
-                ("sequence", Cell::Text(of.subject.name.to_owned())),
+                ("sequence", Cell::Text(of.name.clone())),
                 ("way", Cell::Text(order.to_owned())),
                 ("leaves", Cell::Number(leaves)),
                 ("write_ms_median", Cell::maybe(median(&times.write))),

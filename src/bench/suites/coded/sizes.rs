@@ -37,7 +37,7 @@ fn normal_bytes(node: NodeAttributes, bits: u32) -> Vec<u8> {
 }
 
 pub(super) fn rows(of: &Subjected<'_>) -> Vec<Row> {
-    let (Some(shapes), name) = (&of.frame.shapes, of.subject.name) else {
+    let (Some(shapes), name) = (&of.frame.shapes, &of.name) else {
         return Vec::new();
     };
     let spacing = of.octree.with_stop(StopCriterion::Spacing).depth();

@@ -8,8 +8,8 @@
 //! - *Breadth-first* (§4.4): a queue of the nodes of a level. A subtree that is culled costs nothing below: the number
 //!   of a node's first child is counted from the bits before it.
 //!
-//! When depth-first wins: it needs no memory but the stack, and attributes of leaves alone. Any prefix of the other is a
-//! coarser cloud, so that is the order in which clouds are kept; `bench coded` measures both.
+//! When depth-first wins: it needs no memory but the stack, and attributes of leaves alone. Any prefix of the other is
+//! a coarser cloud, so that is the order in which clouds are kept; `bench coded` measures both.
 
 use super::CodedCloud;
 use crate::levels::octree::Octree;
