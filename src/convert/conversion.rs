@@ -40,13 +40,18 @@ impl Conversion {
 
     /// A frame as it is to be written.
     pub(super) fn edited(&self, sequence: &Sequence, index: usize) -> Result<RawCloud, ConvertError> {
-        let mut cloud = sequence.decode(index)?;
-        self.edit.apply(&mut cloud).map_err(|reason| ConvertError::Edit {
-            path: sequence.entry(index).path.clone(),
-            reason,
-        })?;
-        Ok(cloud)
+        edited(sequence, index, &self.edit)
     }
+}
+
+/// Decodes a frame and edits it.
+pub(super) fn edited(sequence: &Sequence, index: usize, edit: &Edit) -> Result<RawCloud, ConvertError> {
+    let mut cloud = sequence.decode(index)?;
+    edit.apply(&mut cloud).map_err(|reason| ConvertError::Edit {
+        path: sequence.entry(index).path.clone(),
+        reason,
+    })?;
+    Ok(cloud)
 }
 
 /// A share of the frames: those whose index modulo `count` is `index`; of a sequence file, the `index`-th of `count`

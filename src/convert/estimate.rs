@@ -5,6 +5,8 @@
 //! mean of those behind the first one represents positions that the sample does not cover. Bytes of directories are
 //! distributed over the frames.
 
+use super::Edit;
+use super::conversion::edited;
 use super::error::ConvertError;
 use super::reel;
 use crate::cloud::{Positions, RawCloud};
@@ -127,12 +129,12 @@ fn other_way(options: &ReelOptions) -> Option<ReelOptions> {
 }
 
 impl SampleFrame {
-    /// Decodes frame `index`.
+    /// Decodes frame `index` and edits it.
     ///
     /// # Errors
-    /// A frame that cannot be read.
-    pub fn read(sequence: &Sequence, index: usize) -> Result<Self, ConvertError> {
-        let sample = Self::read_with(sequence, index, |index| Ok(sequence.decode(index)?))?;
+    /// A frame that cannot be read or edited.
+    pub fn read(sequence: &Sequence, index: usize, edit: &Edit) -> Result<Self, ConvertError> {
+        let sample = Self::read_with(sequence, index, |index| edited(sequence, index, edit))?;
         Ok(Self {
             reference: ReferenceCloud::new(&sample.judged().0).ok(),
             ..sample

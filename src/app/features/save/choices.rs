@@ -1,7 +1,7 @@
 //! Save settings of the user.
 
 use super::estimates::Estimates;
-use crate::convert::{Place, Target};
+use crate::convert::{Edit, Place, Target};
 use crate::io::WriteFormat;
 use crate::reel::{Coding, Precision, ReelOptions};
 use std::path::PathBuf;
@@ -70,6 +70,8 @@ pub struct Save {
     pub keeps_order: bool,
     /// Only frames from in to out point are written.
     pub is_of_range: bool,
+    /// Only the points that the clip of the image keeps are written, if there is one.
+    pub crops: bool,
     /// The folder of the file, or of the folder.
     pub folder: String,
     /// Its name without extension; made from the sequence if `None`.
@@ -77,7 +79,7 @@ pub struct Save {
     /// Points of the open sequence sample a surface.
     pub(in crate::app) samples_surface: bool,
     /// Target state found at the last check of a destination.
-    pub(in crate::app) found: Option<(PathBuf, Target, Place)>,
+    pub(in crate::app) found: Option<(PathBuf, Target, Edit, Place)>,
     /// Size and quality estimates for the settings.
     pub estimates: Estimates,
 }
@@ -96,6 +98,7 @@ impl Default for Save {
             color_error: options.color_error,
             keeps_order: false,
             is_of_range: false,
+            crops: false,
             folder: String::new(),
             name: None,
             samples_surface: false,

@@ -9,7 +9,7 @@ use crate::app::work::outcome::Message;
 use crate::app::work::pool::PoolBehindDrawing;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::app::work::works::Progress;
-use crate::convert::{Estimate, SampleEstimate, SampleFrame, Target, source_bytes};
+use crate::convert::{Edit, Estimate, SampleEstimate, SampleFrame, Target, source_bytes};
 use crate::sequence::Sequence;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -30,6 +30,7 @@ struct Question {
     /// Its address tells sequences apart.
     sequence: usize,
     target: Target,
+    edit: Edit,
     frames: RangeInclusive<usize>,
     shown: usize,
 }
@@ -38,6 +39,7 @@ struct Question {
 pub(super) struct Asked<'a> {
     pub(super) sequence: &'a Arc<Sequence>,
     pub(super) target: Target,
+    pub(super) edit: Edit,
     pub(super) frames: RangeInclusive<usize>,
     /// The shown frame.
     pub(super) shown: usize,
@@ -114,6 +116,7 @@ impl Estimates {
         let Asked {
             sequence,
             target,
+            edit,
             frames,
             shown,
             is_playing,
@@ -127,6 +130,7 @@ impl Estimates {
         let question = Question {
             sequence: address,
             target,
+            edit,
             frames,
             shown: before.map_or(shown, |before| before.shown),
         };
@@ -147,6 +151,9 @@ impl Estimates {
             self.before = Estimate::of(&self.judged).or(self.before.take());
         } else {
             self.before = None;
+            self.cached.clear();
+        }
+        if self.question.as_ref().is_none_or(|before| before.edit != question.edit) {
             self.cached.clear();
         }
         self.judged.clear();
@@ -191,7 +198,8 @@ impl Estimates {
         if !self.question.as_ref().is_some_and(is_of_same) {
             return;
         }
-        if let Some(sample) = sample {
+        let is_edited_alike = self.question.as_ref().is_some_and(|asked| asked.edit == question.edit);
+        if let Some(sample) = sample.filter(|_| is_edited_alike) {
             self.keep(sample);
         }
         if let Some(SourceBytes(bytes)) = source {
@@ -249,7 +257,7 @@ fn judge(
     let source = (!knows_source).then(|| SourceBytes(source_bytes(sequence, &question.frames)));
     let sample = match cached {
         Some(sample) => Ok(sample),
-        None => SampleFrame::read(sequence, index).map(Arc::new),
+        None => SampleFrame::read(sequence, index, &question.edit).map(Arc::new),
     };
     let judged = match &sample {
         Ok(sample) => sample.judge(&question.target, progress).transpose(),

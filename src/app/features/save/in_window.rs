@@ -13,6 +13,7 @@ use crate::app::work::files::document_folder;
 use crate::app::work::outcome::Outcome;
 use crate::app::work::works::WorkKind;
 use crate::convert::{Converted, Output, Place, Target};
+use crate::messages::{counted, grouped};
 use crate::playback::Player;
 use crate::reel::ReelOptions;
 use crate::scene::FirstLook;
@@ -58,6 +59,7 @@ impl State {
             has_colors: frame.is_some_and(|frame| frame.colors().is_some()),
             has_normals: frame.is_some_and(|frame| frame.normals().is_some()),
             samples_surface: self.first_look().is_some_and(FirstLook::has_surface),
+            clip: self.style.clip.filter(|clip| clip.is_on),
             is_busy: self.shared.works.has(WorkKind::Save),
         }
     }
@@ -146,12 +148,12 @@ impl State {
         let place = path.display();
         match result {
             Ok(converted) if converted.is_cancelled => self.notices.info(format!(
-                "Saving was cancelled after {} frames: the same choices go on from there",
-                converted.written + converted.left
+                "Saving was cancelled after {}: the same choices go on from there",
+                counted((converted.written + converted.left) as i64, "frame")
             )),
             Ok(converted) => {
-                let frames = converted.written + converted.left;
-                self.notices.info(format!("Saved {frames} frames: {place}"));
+                let frames = counted((converted.written + converted.left) as i64, "frame");
+                self.notices.info(format!("Saved {frames}: {place}"));
                 self.tell_lost(&converted);
                 let losses = converted.losses.lines(&conversion.target_name(), converted.written);
                 for text in converted.notes.iter().chain(&losses) {
@@ -164,7 +166,7 @@ impl State {
 
     fn tell_lost(&mut self, converted: &Converted) {
         for (frame, error) in converted.failed.iter().take(NAMED_FAILURES) {
-            let place = frame + 1;
+            let place = grouped(frame + 1);
             self.notices.warn(format!("Frame {place} is not in it: {error}"));
         }
         if let Some(more) = converted
@@ -176,7 +178,7 @@ impl State {
             self.notices.warn(format!("{more} more frames are not in it"));
         }
         for (frame, warning) in converted.warnings.iter().take(NAMED_FAILURES) {
-            self.notices.warn(format!("Frame {}: {warning}", frame + 1));
+            self.notices.warn(format!("Frame {}: {warning}", grouped(frame + 1)));
         }
     }
 }

@@ -9,6 +9,7 @@ use crate::app::widgets::settle::settle;
 use crate::app::widgets::tool_window::tool_window;
 use crate::convert::Place;
 use crate::io::WriteFormat;
+use crate::messages::grouped;
 use crate::reel::Coding;
 use egui::{Align2, Button, Checkbox, DragValue, Grid, Label, Pos2, RichText, Slider, TextEdit, Ui, vec2};
 
@@ -65,6 +66,15 @@ pub(in crate::app) fn save_ui(
                     "Only the frames between in and out point, which the timeline shows; all of them otherwise",
                     Checkbox::new(&mut save.is_of_range, "From in to out point"),
                 );
+                if of.clip.is_some() {
+                    row(
+                        ui,
+                        "Points",
+                        "Only the points that the clip leaves in the image, with the faces between them; all of them \
+                            otherwise",
+                        Checkbox::new(&mut save.crops, "As clipped"),
+                    );
+                }
                 request = place(ui, save, of);
             });
             ui.separator();
@@ -264,9 +274,9 @@ fn numbers(ui: &mut Ui, save: &Save, of: &Savable) -> Option<SaveRequest> {
         (0, true) => "Estimate: encoding the shown frame…".to_owned(),
         (0, false) => "Estimate".to_owned(),
         (1, true) => "Estimate by the shown frame, others follow…".to_owned(),
-        (1, false) => format!("Estimate by 1 frame of {frames}"),
-        (judged, true) => format!("Estimate by {judged} frames of {frames}, others follow…"),
-        (judged, false) => format!("Estimate by {judged} frames of {frames}"),
+        (1, false) => format!("Estimate by 1 frame of {}", grouped(frames)),
+        (judged, true) => format!("Estimate by {judged} frames of {}, others follow…", grouped(frames)),
+        (judged, false) => format!("Estimate by {judged} frames of {}", grouped(frames)),
     };
     let mut request = None;
     ui.horizontal(|ui| {

@@ -5,6 +5,7 @@ use super::estimates::{Asked, Estimated};
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::convert::{Conversion, Edit, Output, Place, Shard, Target};
 use crate::io::WriteFormat;
+use crate::scene::Clip;
 use crate::sequence::Sequence;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -32,6 +33,8 @@ pub(in crate::app) struct Savable {
     pub(in crate::app) has_normals: bool,
     /// Its points sample a surface.
     pub(in crate::app) samples_surface: bool,
+    /// The clip that the image is drawn with.
+    pub(in crate::app) clip: Option<Clip>,
     /// Another sequence is being written.
     pub(in crate::app) is_busy: bool,
 }
@@ -50,6 +53,7 @@ impl Save {
         let asked = Asked {
             sequence,
             target: self.target(sequence.fps()),
+            edit: self.edit(of),
             frames: self.frames(of),
             shown: of.shown,
             is_playing: of.is_playing,
@@ -104,6 +108,14 @@ impl Save {
         frames.start..=frames.end.saturating_sub(1)
     }
 
+    /// The changes to each frame.
+    pub(in crate::app) fn edit(&self, of: &Savable) -> Edit {
+        Edit {
+            crop: of.clip.filter(|_| self.crops),
+            ..Edit::default()
+        }
+    }
+
     /// The conversion; `None` without a sequence.
     pub(in crate::app) fn conversion(&self, of: &Savable) -> Option<Conversion> {
         let output = self.output(&of.stem);
@@ -114,7 +126,7 @@ impl Save {
         Some(Conversion {
             frames: Some(self.frames(of)),
             shard: Shard::WHOLE,
-            edit: Edit::default(),
+            edit: self.edit(of),
             format,
             output,
             overwrites: false,
@@ -129,10 +141,14 @@ impl Save {
         };
         let (output, target) = (self.output(&of.stem), self.target(sequence.fps()));
         match &self.found {
-            Some((known, of_target, place)) if *known == output && *of_target == target => *place,
+            Some((known, of_target, edit, place))
+                if *known == output && *of_target == target && *edit == conversion.edit =>
+            {
+                *place
+            }
             _ => {
                 let place = Place::of(&conversion, sequence);
-                self.found = Some((output, target, place));
+                self.found = Some((output, target, conversion.edit, place));
                 place
             }
         }
@@ -199,6 +215,7 @@ mod tests {
             has_colors: true,
             has_normals: true,
             samples_surface: true,
+            clip: None,
             is_busy: false,
             sequence: Some(Arc::new(sequence)),
         }
@@ -241,6 +258,24 @@ mod tests {
         save.format = SaveFormat::Files(WriteFormat::default());
         save.take_place(Path::new("/scans/walk.v2"));
         assert_eq!(save.output("x"), Path::new("/scans/walk.v2"));
+    }
+
+    #[test]
+    fn a_clip_crops_on_request() {
+        use crate::scene::ClipShape;
+        let mut of = savable(Sequence::demo());
+        let mut save = Save {
+            crops: true,
+            ..Save::default()
+        };
+        assert_eq!(save.edit(&of), Edit::default(), "nothing is clipped");
+        of.clip = Some(Clip::to(ClipShape::Plane {
+            normal: glam::DVec3::X,
+            offset: 0.0,
+        }));
+        assert_eq!(save.conversion(&of).unwrap().edit.crop, of.clip);
+        save.crops = false;
+        assert_eq!(save.conversion(&of).unwrap().edit.crop, None);
     }
 
     #[test]

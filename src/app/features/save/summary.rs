@@ -146,6 +146,7 @@ mod tests {
             has_colors: true,
             has_normals: true,
             samples_surface: true,
+            clip: None,
             is_busy: false,
         }
     }
