@@ -2,6 +2,7 @@
 
 use super::edit::Edit;
 use super::error::ConvertError;
+use super::rate_control::RateGoal;
 use crate::cloud::RawCloud;
 use crate::io::{Losses, WriteFormat};
 use crate::reel::ReelOptions;
@@ -23,6 +24,8 @@ pub struct Conversion {
     pub format: WriteFormat,
     /// Output target.
     pub output: Output,
+    /// Size or error of a sequence file that its precision is chosen for.
+    pub goal: Option<RateGoal>,
     /// Overwrite existing frames, even of other programs or options.
     pub overwrites: bool,
     /// Human-readable description of how the inputs are read, where that changes frames.

@@ -56,6 +56,17 @@ pub enum ConvertError {
         /// Number of further ones.
         more: usize,
     },
+    /// No precision makes the file as small as requested.
+    #[error(
+        "the requested size of {wanted} cannot be reached: the smallest sequence file of these frames has about {least}; \
+         request more, or fewer frames or points (--frames, --sample, --voxel, --merge)"
+    )]
+    TooSmall {
+        /// The requested size.
+        wanted: String,
+        /// The size with the coarsest precision.
+        least: String,
+    },
     /// There are no such frames.
     #[error("{0}")]
     NoSuchFrames(String),

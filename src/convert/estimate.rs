@@ -178,6 +178,12 @@ impl SampleFrame {
         })
     }
 
+    /// Longest edge of the box around the frame; 0 without points.
+    pub(super) fn extent(&self) -> f64 {
+        let (_, bounds) = self.judged().0.positions.finite_bounds();
+        bounds.map_or(0.0, |(min, max)| (max - min).max_element())
+    }
+
     /// The frame.
     fn judged(&self) -> &(RawCloud, Arc<FrameEntry>) {
         &self.clouds[self.place]

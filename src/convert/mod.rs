@@ -22,6 +22,7 @@ mod lock;
 mod merging;
 mod names;
 mod place;
+mod rate_control;
 mod record;
 mod reel;
 
@@ -32,11 +33,13 @@ pub use estimate::{Estimate, EstimatedErrors, OtherWay, SampleEstimate, SampleFr
 pub use join::{Joined, join, parts_of};
 pub use merging::MergePrice;
 pub use place::{Place, SourceFiles, source_at};
+pub use rate_control::{ChosenRate, RateGoal};
 pub use record::Record;
 
 use self::frame::write_frame;
 use crate::messages::missing_frames;
 use crate::progress::Progress;
+use crate::reel::ReelOptions;
 use crate::sequence::Sequence;
 use std::path::Path;
 use std::time::Duration;
@@ -54,8 +57,42 @@ pub fn convert(sequence: &Sequence, conversion: &Conversion, progress: &Progress
             input,
         });
     }
-    let mut converted = convert_frames(sequence, conversion, frames, progress)?;
+    let mut converted = match (conversion.goal, &conversion.output) {
+        (Some(goal), Output::Reel(path, options)) => {
+            convert_to_goal(sequence, conversion, (goal, path, options), frames, progress)?
+        }
+        _ => convert_frames(sequence, conversion, frames, progress)?,
+    };
     converted.notes.extend(cameras_note(sequence));
+    Ok(converted)
+}
+
+/// Chooses the precision for a goal, and writes with it.
+fn convert_to_goal(
+    sequence: &Sequence,
+    conversion: &Conversion,
+    (goal, path, options): (RateGoal, &Path, &ReelOptions),
+    frames: Vec<usize>,
+    progress: &Progress,
+) -> Result<Converted, ConvertError> {
+    let Some(chosen) = goal.choose(sequence, &frames, &conversion.edit, options, progress)? else {
+        return Ok(Converted {
+            is_cancelled: true,
+            ..Converted::default()
+        });
+    };
+    let note = goal.note(&chosen, frames.len());
+    let conversion = Conversion {
+        output: Output::Reel(path.to_owned(), chosen.options),
+        ..conversion.clone()
+    };
+    let mut converted = convert_frames(sequence, &conversion, frames, progress)?;
+    converted.notes.push(note);
+    if conversion.shard == Shard::WHOLE && !converted.is_cancelled {
+        let written = path.metadata().ok();
+        let excess = written.and_then(|file| rate_control::excess_note(goal, file.len()));
+        converted.notes.extend(excess);
+    }
     Ok(converted)
 }
 

@@ -163,6 +163,7 @@ mod tests {
             edit: Edit::default(),
             format: WriteFormat::default(),
             output,
+            goal: None,
             overwrites: false,
             reading: String::new(),
         }

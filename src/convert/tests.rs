@@ -246,6 +246,7 @@ fn conversion(folder: &Path) -> Conversion {
         edit: Edit::default(),
         format: WriteFormat::default(),
         output: Output::Folder(folder.to_owned()),
+        goal: None,
         overwrites: false,
         reading: String::new(),
     }

@@ -63,6 +63,7 @@ fn conversion(output: &Path, keyframes: u32, shard: Shard) -> Conversion {
         edit: Edit::default(),
         format: WriteFormat::default(),
         output: Output::Reel(output.to_owned(), lossless(keyframes)),
+        goal: None,
         overwrites: false,
         reading: String::new(),
     }

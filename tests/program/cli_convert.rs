@@ -354,3 +354,27 @@ fn an_array_with_layers_is_converted_frame_by_frame() {
     let last = io::read(&output.join(&written[2])).unwrap();
     assert_eq!(last.positions.get(1), DVec3::new(15.0, 16.0, 17.0));
 }
+
+#[test]
+fn a_size_or_an_error_chooses_the_precision() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("walk.reel");
+    let done = pointreel(&["convert", "demo:", text(&file), "--target-size", "300000"]);
+    let said = String::from_utf8_lossy(&done.stderr).into_owned();
+    assert!(done.status.success() && said.contains("precision"), "{said}");
+    let size = file.metadata().unwrap().len();
+    assert!((270_000..=306_000).contains(&size), "{size}: {said}");
+    let done = pointreel(&["convert", "demo:", text(&file), "--target-size", "1000", "--overwrite"]);
+    let said = String::from_utf8_lossy(&done.stderr).into_owned();
+    assert!(!done.status.success() && said.contains("cannot be reached"), "{said}");
+    for options in [["--target-error", "0"], ["--target-error", "lossless"]] {
+        let done = pointreel(&["convert", "demo:", text(&file), options[0], options[1]]);
+        assert_eq!(done.status.code(), Some(2), "{options:?}");
+    }
+    let both = pointreel(&["convert", "demo:", text(&file), "--bits", "9", "--target-size", "1MB"]);
+    assert_eq!(both.status.code(), Some(2));
+    // Another format has no precision.
+    let cloud = folder.path().join("walk.ply");
+    let done = pointreel(&["convert", "demo:", text(&cloud), "--frames", "0", "--target-size", "1MB"]);
+    assert!(!done.status.success());
+}

@@ -134,6 +134,8 @@ pub(in crate::cli) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
     let frames = frames.transpose()?.map(FrameRange::bounds);
     let frame_count = frames.clone().map_or(sequence.len(), Iterator::count);
     let (output, format) = outputs(arguments, output, &sequence, frame_count)?;
+    let (goal, assumed) = arguments.reel.goal(&sequence);
+    assumed.iter().for_each(|assumed| warnings::warn(assumed));
     let conversion = Conversion {
         frames,
         shard: arguments.shard.unwrap_or(Shard::WHOLE),
@@ -148,6 +150,7 @@ pub(in crate::cli) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
         },
         format,
         output,
+        goal,
         overwrites: arguments.overwrite,
         reading: arguments.read.in_words(),
     };

@@ -1,6 +1,8 @@
 //! Encoder options of sequence files.
 
+use super::arguments::byte_count;
 use crate::cloud::LengthUnit;
+use crate::convert::RateGoal;
 use crate::reel::{Coding, Precision, ReelOptions};
 use crate::scene::FirstLook;
 use crate::sequence::Sequence;
@@ -22,6 +24,19 @@ pub(in crate::cli) struct ReelArgs {
     /// Voxel-downsample to 2^N cells along the longest side; --merge chooses the cell size itself
     #[arg(long, value_name = "1..21", value_parser = clap::value_parser!(u8).range(1..=21))]
     bits: Option<u8>,
+
+    /// Choose the precision for a file of at most this size, such as 10MB, by a few frames
+    #[arg(long, value_name = "SIZE", value_parser = byte_count, conflicts_with_all = ["precision", "bits", "merge"])]
+    target_size: Option<u64>,
+
+    /// Choose the precision for this root mean square error of positions, such as 0.001 (file units) or 1mm
+    #[arg(
+        long,
+        value_name = "LENGTH",
+        value_parser = target_error,
+        conflicts_with_all = ["precision", "bits", "merge", "target_size"],
+    )]
+    target_error: Option<Length>,
 
     /// Bits per normal: 13, 15 or 17; 0 stores them as in the file, with --precision
     #[arg(long, value_name = "BITS", hide_short_help = true)]
@@ -55,6 +70,8 @@ impl ReelArgs {
         self.precision.is_some()
             || self.merge
             || self.bits.is_some()
+            || self.target_size.is_some()
+            || self.target_error.is_some()
             || self.normal_bits.is_some()
             || self.no_normals
             || self.color_error.is_some()
@@ -68,14 +85,9 @@ impl ReelArgs {
         let mut assumed = None;
         let (precision, default) = match (self.precision, self.bits) {
             (Some(ReelPrecision::Lossless), _) => (Precision::Lossless, ReelOptions::lossless()),
-            (Some(ReelPrecision::Length { length, metres }), _) => {
-                let length = metres.map_or(length, |metres| {
-                    let unit = unit_of(sequence).unwrap_or_else(|| {
-                        assumed = Some("no file says its unit of length: metres are assumed".to_owned());
-                        LengthUnit::Metre
-                    });
-                    length * metres / unit.metres()
-                });
+            (Some(ReelPrecision::Length(length)), _) => {
+                let (length, note) = length.in_units_of(sequence);
+                assumed = note;
                 (Precision::Length(length), ReelOptions::default())
             }
             (None, Some(bits)) => (Precision::Bits(bits), ReelOptions::default()),
@@ -94,6 +106,18 @@ impl ReelArgs {
             ..default
         };
         (options, assumed)
+    }
+
+    /// The size or error that the precision is chosen for, and a note on the assumptions behind it.
+    pub(in crate::cli) fn goal(&self, sequence: &Sequence) -> (Option<RateGoal>, Option<String>) {
+        match (self.target_size, self.target_error) {
+            (Some(bytes), _) => (Some(RateGoal::Bytes(bytes)), None),
+            (None, Some(length)) => {
+                let (length, assumed) = length.in_units_of(sequence);
+                (Some(RateGoal::RmsError(length)), assumed)
+            }
+            (None, None) => (None, None),
+        }
     }
 }
 
@@ -128,11 +152,37 @@ impl From<ReelCoding> for Coding {
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum ReelPrecision {
     Lossless,
-    /// A length in units of the file, or in metres if given so.
-    Length {
-        length: f64,
-        metres: Option<f64>,
-    },
+    Length(Length),
+}
+
+/// A length in units of the file, or in a unit of so many metres if given so.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Length {
+    length: f64,
+    metres: Option<f64>,
+}
+
+impl Length {
+    /// The length in units of the files, and a note if their unit is assumed.
+    fn in_units_of(self, sequence: &Sequence) -> (f64, Option<String>) {
+        let Some(metres) = self.metres else {
+            return (self.length, None);
+        };
+        let unit = unit_of(sequence);
+        let note = || "no file says its unit of length: metres are assumed".to_owned();
+        let assumed = unit.is_none().then(note);
+        (
+            self.length * metres / unit.unwrap_or(LengthUnit::Metre).metres(),
+            assumed,
+        )
+    }
+}
+
+fn target_error(text: &str) -> Result<Length, String> {
+    match text.parse() {
+        Ok(ReelPrecision::Length(length)) => Ok(length),
+        _ => Err("expected a length above 0 such as 0.001 or 1mm".to_owned()),
+    }
 }
 
 impl std::str::FromStr for ReelPrecision {
@@ -152,7 +202,7 @@ impl std::str::FromStr for ReelPrecision {
         let length: Option<f64> = number.trim().parse().ok();
         length
             .filter(|length| length.is_finite() && *length > 0.0)
-            .map(|length| Self::Length { length, metres })
+            .map(|length| Self::Length(Length { length, metres }))
             .ok_or_else(|| "expected lossless, or a length above 0 such as 0.001 or 1mm".to_owned())
     }
 }
@@ -165,7 +215,7 @@ mod tests {
     fn lengths_use_the_unit_of_the_file_unless_given_one() {
         let length = |text: &str| text.parse::<ReelPrecision>();
         assert_eq!(length("lossless"), Ok(ReelPrecision::Lossless));
-        let of = |length, metres| Ok(ReelPrecision::Length { length, metres });
+        let of = |length, metres| Ok(ReelPrecision::Length(Length { length, metres }));
         assert_eq!(length("0.001"), of(0.001, None));
         assert_eq!(length("1mm"), of(1.0, Some(1e-3)));
         assert_eq!(length("2 cm"), of(2.0, Some(1e-2)));

@@ -1,7 +1,7 @@
 //! Save settings of the user.
 
 use super::estimates::Estimates;
-use crate::convert::{Edit, Place, Target};
+use crate::convert::{Edit, Place, RateGoal, Target};
 use crate::io::WriteFormat;
 use crate::reel::{Coding, Precision, ReelOptions};
 use std::path::PathBuf;
@@ -26,6 +26,10 @@ pub enum PrecisionKind {
     Bits,
     /// No coordinate is off by more than a length.
     Length,
+    /// The precision that gives a file of a size.
+    FileSize,
+    /// The precision that gives points a root mean square error.
+    RmsError,
     /// Every bit.
     Lossless,
 }
@@ -33,7 +37,10 @@ pub enum PrecisionKind {
 impl PrecisionKind {
     /// Returns true if points are stored one by one, so that their order and exact numbers can be retained.
     pub(super) fn keeps_points(self) -> bool {
-        matches!(self, Self::PointSpacing | Self::Length | Self::Lossless)
+        matches!(
+            self,
+            Self::PointSpacing | Self::Length | Self::FileSize | Self::RmsError | Self::Lossless
+        )
     }
 
     /// Returns this precision with the points of each cell merged or not, where that is a separate choice.
@@ -56,8 +63,10 @@ pub struct Save {
     pub precision: PrecisionKind,
     /// For [`PrecisionKind::Bits`].
     pub bits: u8,
-    /// For [`PrecisionKind::Length`], in the unit of the file.
+    /// For [`PrecisionKind::Length`] and [`PrecisionKind::RmsError`], in the unit of the file.
     pub length: f64,
+    /// For [`PrecisionKind::FileSize`], in MB.
+    pub size_mb: f64,
     /// Time against bits.
     pub coding: Coding,
     /// Normals are estimated where the files have none and points that are merged sample a surface.
@@ -92,6 +101,7 @@ impl Default for Save {
             precision: PrecisionKind::PointSpacing,
             bits: 10,
             length: 0.0,
+            size_mb: 10.0,
             coding: options.coding,
             estimates_normals: true,
             normal_bits: options.normal_bits,
@@ -125,6 +135,22 @@ impl Save {
         self.precision = precision;
     }
 
+    /// The size or error that the precision is chosen for.
+    pub fn goal(&self) -> Option<RateGoal> {
+        if self.format != SaveFormat::Reel {
+            return None;
+        }
+        match self.precision {
+            PrecisionKind::FileSize => Some(RateGoal::Bytes((self.size_mb * 1e6) as u64)),
+            PrecisionKind::RmsError => Some(RateGoal::RmsError(self.length)),
+            PrecisionKind::PointSpacing
+            | PrecisionKind::SamplingDensity
+            | PrecisionKind::Bits
+            | PrecisionKind::Length
+            | PrecisionKind::Lossless => None,
+        }
+    }
+
     /// Returns the write target of the frames, for a sequence of `fps` frames per second.
     pub fn target(&self, fps: f64) -> Target {
         match self.format {
@@ -135,7 +161,10 @@ impl Save {
 
     fn reel_options(&self, fps: f64) -> ReelOptions {
         let (precision, usual) = match self.precision {
-            PrecisionKind::PointSpacing => (Precision::PointSpacing, ReelOptions::default()),
+            // Precisions of goals are chosen when frames are known.
+            PrecisionKind::PointSpacing | PrecisionKind::FileSize | PrecisionKind::RmsError => {
+                (Precision::PointSpacing, ReelOptions::default())
+            }
             PrecisionKind::SamplingDensity => (Precision::SamplingDensity, ReelOptions::merged()),
             PrecisionKind::Bits => (Precision::Bits(self.bits), ReelOptions::default()),
             PrecisionKind::Length => (Precision::Length(self.length), ReelOptions::default()),
@@ -207,6 +236,8 @@ mod tests {
             PrecisionKind::SamplingDensity,
             PrecisionKind::Bits,
             PrecisionKind::Length,
+            PrecisionKind::FileSize,
+            PrecisionKind::RmsError,
             PrecisionKind::Lossless,
         ] {
             let mut save = Save {
@@ -219,6 +250,8 @@ mod tests {
             save.choose_precision(precision);
             options(&save).check().unwrap();
             assert_eq!(options(&save).keep_order, precision.keeps_points());
+            let has_goal = matches!(precision, PrecisionKind::FileSize | PrecisionKind::RmsError);
+            assert_eq!(save.goal().is_some(), has_goal);
         }
     }
 

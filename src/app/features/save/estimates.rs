@@ -9,7 +9,7 @@ use crate::app::work::outcome::Message;
 use crate::app::work::pool::PoolBehindDrawing;
 use crate::app::work::tasks::{TaskOutcome, Tasks};
 use crate::app::work::works::Progress;
-use crate::convert::{Edit, Estimate, SampleEstimate, SampleFrame, Target, source_bytes};
+use crate::convert::{ConvertError, Edit, Estimate, RateGoal, SampleEstimate, SampleFrame, Target, source_bytes};
 use crate::sequence::Sequence;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -31,6 +31,7 @@ struct Question {
     sequence: usize,
     target: Target,
     edit: Edit,
+    goal: Option<RateGoal>,
     frames: RangeInclusive<usize>,
     shown: usize,
 }
@@ -40,6 +41,7 @@ pub(super) struct Asked<'a> {
     pub(super) sequence: &'a Arc<Sequence>,
     pub(super) target: Target,
     pub(super) edit: Edit,
+    pub(super) goal: Option<RateGoal>,
     pub(super) frames: RangeInclusive<usize>,
     /// The shown frame.
     pub(super) shown: usize,
@@ -117,6 +119,7 @@ impl Estimates {
             sequence,
             target,
             edit,
+            goal,
             frames,
             shown,
             is_playing,
@@ -131,6 +134,7 @@ impl Estimates {
             sequence: address,
             target,
             edit,
+            goal,
             frames,
             shown: before.map_or(shown, |before| before.shown),
         };
@@ -260,7 +264,7 @@ fn judge(
         None => SampleFrame::read(sequence, index, &question.edit).map(Arc::new),
     };
     let judged = match &sample {
-        Ok(sample) => sample.judge(&question.target, progress).transpose(),
+        Ok(sample) => question.judge(sample, progress).transpose(),
         Err(_) => None,
     };
     let judged = judged.map(|judged| judged.map_err(|error| error.to_string()));
@@ -273,6 +277,20 @@ fn judge(
         sample,
         judged,
         source,
+    }
+}
+
+impl Question {
+    /// Judges a frame, with the precision that is chosen by it alone if there is a goal; `None` once cancelled.
+    fn judge(&self, sample: &SampleFrame, progress: &Progress) -> Result<Option<SampleEstimate>, ConvertError> {
+        let (Some(goal), Target::Reel(options)) = (self.goal, &self.target) else {
+            return sample.judge(&self.target, progress);
+        };
+        let frame_count = self.frames.clone().count();
+        match goal.choose_by(&[sample], frame_count, options, progress)? {
+            Some(chosen) => sample.judge(&Target::Reel(chosen.options), progress),
+            None => Ok(None),
+        }
     }
 }
 

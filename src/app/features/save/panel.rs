@@ -127,6 +127,16 @@ fn precision(ui: &mut Ui, save: &mut Save, of: &Savable) {
                 "Every point, and no coordinate off by more than a length",
             ),
             (
+                "File size",
+                PrecisionKind::FileSize,
+                "Every point, as precisely as a file of a size allows, by a few frames",
+            ),
+            (
+                "Mean error",
+                PrecisionKind::RmsError,
+                "Every point, with a root mean square error, by a few frames",
+            ),
+            (
                 "Lossless",
                 PrecisionKind::Lossless,
                 "Every point, and every bit of its coordinates",
@@ -141,17 +151,34 @@ fn precision(ui: &mut Ui, save: &mut Save, of: &Savable) {
             let tooltip = "The longest side of the cloud has 2 to the power of this many cells";
             row(ui, "Bits", tooltip, Slider::new(&mut save.bits, 4..=21));
         }
-        PrecisionKind::Length => {
-            let speed = (save.length * 0.02).max(1e-12);
-            let drag = DragValue::new(&mut save.length)
+        PrecisionKind::FileSize => {
+            let speed = (save.size_mb * 0.02).max(1e-6);
+            let drag = DragValue::new(&mut save.size_mb)
                 .speed(speed)
-                .max_decimals(9)
-                .suffix(format!(" {}", of.unit));
+                .max_decimals(6)
+                .suffix(" MB");
+            let tooltip = "The largest size of the file, in millions of bytes";
+            row(ui, "Size", tooltip, drag.range(1e-6..=1e9));
+        }
+        PrecisionKind::Length => {
             let tooltip = "The largest error of a coordinate, in the unit of the files";
-            row(ui, "Length", tooltip, drag.range(1e-12..=1e12));
+            length(ui, save, of, "Length", tooltip);
+        }
+        PrecisionKind::RmsError => {
+            let tooltip = "The root mean square distance of points from their originals, in the unit of the files";
+            length(ui, save, of, "Error", tooltip);
         }
         PrecisionKind::PointSpacing | PrecisionKind::SamplingDensity | PrecisionKind::Lossless => {}
     }
+}
+
+fn length(ui: &mut Ui, save: &mut Save, of: &Savable, name: &str, tooltip: &str) {
+    let speed = (save.length * 0.02).max(1e-12);
+    let drag = DragValue::new(&mut save.length)
+        .speed(speed)
+        .max_decimals(9)
+        .suffix(format!(" {}", of.unit));
+    row(ui, name, tooltip, drag.range(1e-12..=1e12));
 }
 
 /// Shows the merging option for points, where that is a separate choice, with its cost and savings.
@@ -281,7 +308,8 @@ fn numbers(ui: &mut Ui, save: &Save, of: &Savable) -> Option<SaveRequest> {
     let mut request = None;
     ui.horizontal(|ui| {
         ui.label(RichText::new(heading).strong());
-        if save.format == SaveFormat::Reel && of.sequence.is_some() {
+        // The precision of a goal is known once it is saved.
+        if save.format == SaveFormat::Reel && of.sequence.is_some() && save.goal().is_none() {
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 let compare = ui.button("Compare");
                 let tooltip = "Shows the result next to the open sequence, in the same view";

@@ -54,6 +54,7 @@ impl Save {
             sequence,
             target: self.target(sequence.fps()),
             edit: self.edit(of),
+            goal: self.goal(),
             frames: self.frames(of),
             shown: of.shown,
             is_playing: of.is_playing,
@@ -129,6 +130,7 @@ impl Save {
             edit: self.edit(of),
             format,
             output,
+            goal: self.goal(),
             overwrites: false,
             reading: String::new(),
         })
