@@ -135,7 +135,9 @@ pub(in crate::cli) fn run(arguments: &ConvertArgs) -> anyhow::Result<()> {
     let frame_count = frames.clone().map_or(sequence.len(), Iterator::count);
     let (output, format) = outputs(arguments, output, &sequence, frame_count)?;
     let (goal, assumed) = arguments.reel.goal(&sequence);
-    assumed.iter().for_each(|assumed| warnings::warn(assumed));
+    if let Some(assumed) = assumed {
+        warnings::warn(&assumed);
+    }
     let conversion = Conversion {
         frames,
         shard: arguments.shard.unwrap_or(Shard::WHOLE),
