@@ -275,7 +275,11 @@ mod tests {
             assert!(notes.iter().any(|note| note.contains("precision")), "{notes:?}");
             let share = size as f64 / wanted as f64;
             assert!((0.9..=1.02).contains(&share), "{size} of {wanted}: {notes:?}");
-            assert_eq!(size > wanted, notes.iter().any(|note| note.contains("more than")), "{notes:?}");
+            assert_eq!(
+                size > wanted,
+                notes.iter().any(|note| note.contains("more than")),
+                "{notes:?}"
+            );
             sizes.push(size);
         }
         assert!(sizes.is_sorted(), "{sizes:?}");

@@ -375,6 +375,14 @@ fn a_size_or_an_error_chooses_the_precision() {
     assert_eq!(both.status.code(), Some(2));
     // Another format has no precision.
     let cloud = folder.path().join("walk.ply");
-    let done = pointreel(&["convert", "demo:", text(&cloud), "--frames", "0", "--target-size", "1MB"]);
+    let done = pointreel(&[
+        "convert",
+        "demo:",
+        text(&cloud),
+        "--frames",
+        "0",
+        "--target-size",
+        "1MB",
+    ]);
     assert!(!done.status.success());
 }
