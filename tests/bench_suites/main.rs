@@ -10,6 +10,7 @@ mod drawing;
 mod error;
 mod inputs;
 mod runs;
+mod stability;
 mod temporal;
 
 use pointreel::bench::{BenchOptions, Cell, Column, Input, Report, Row, Suite, run};
