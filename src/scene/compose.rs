@@ -126,6 +126,16 @@ struct Wanted<'a> {
     params: &'a PacketParams,
 }
 
+/// The level-of-detail choice for the cube of a frame: levels are counted from the cube of the sequence's first frame.
+fn lod_of(style: &Style, frame: &PreparedFrame) -> Lod {
+    match style.levels.lod {
+        Lod::Level(level) if style.levels_kind().is_some_and(LevelsKind::needs_octree) => {
+            Lod::Level(level.saturating_add_signed(frame.frame.levels_above_first()))
+        }
+        lod => lod,
+    }
+}
+
 /// The disks of the points of a frame, if it has shapes.
 fn of_points(frame: &PreparedFrame) -> Option<Surfels> {
     Some(Surfels {
@@ -268,7 +278,7 @@ impl Scene {
                 culls_back_faces: style.culls_back_faces(),
                 view,
                 viewport_px,
-                lod: style.levels.lod,
+                lod: lod_of(style, frame),
                 metric: style.levels.metric,
                 affordable: self.affordable,
                 clip: params.clip,
@@ -335,7 +345,7 @@ impl Scene {
         let is_drawn = style.levels_kind() == Some(LevelsKind::Codes);
         let cloud = frame.levels.codes().filter(|_| is_drawn)?;
         let at_most = |nodes: u32| (0.0, cloud.deepest_level_of(nodes as usize));
-        let (lod_px, deepest_level) = match style.levels.lod {
+        let (lod_px, deepest_level) = match lod_of(style, frame) {
             Lod::ThresholdPx(lod_px) => (style.levels.metric.edge_px(lod_px), cloud.depth()),
             Lod::Level(level) => (0.0, level),
             Lod::Budget(nodes) => at_most(nodes),
