@@ -3,9 +3,7 @@
 #import common/fragments.wgsl
 
 fn left(in: Varyings) {
-    // The 4D media paper draws squares here: the artefacts of its Fig. 3e.
-    let is_outside = select(is_outside_splat(in), is_outside_surface(in), view.visibility_shape == VISIBILITY_SQUARE);
-    if (is_outside) {
+    if (is_outside_splat(in)) {
         discard;
     }
 }

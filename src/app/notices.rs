@@ -142,7 +142,8 @@ impl Notices {
     pub(in crate::app) fn dismiss_begun(&mut self, begin: &str, next: &str) {
         self.dismiss_where(|text| {
             let rest = text.strip_prefix(begin);
-            rest.is_some_and(|rest| rest.trim_start_matches(|c: char| c.is_ascii_digit()).starts_with(next))
+            let is_of_number = |c: char| c.is_ascii_digit() || c == ',';
+            rest.is_some_and(|rest| rest.trim_start_matches(is_of_number).starts_with(next))
         });
     }
 

@@ -58,14 +58,14 @@ pub enum ConvertError {
     },
     /// No precision makes the file as small as requested.
     #[error(
-        "the requested size of {wanted} cannot be reached: the smallest sequence file of these frames has about {least}; \
-         request more, or fewer frames or points (--frames, --sample, --voxel, --merge)"
+        "the requested size of {wanted} cannot be reached: the smallest sequence file of these frames has about \
+         {smallest}; request more, or fewer frames or points (--frames, --sample, --voxel, --merge)"
     )]
     TooSmall {
         /// The requested size.
         wanted: String,
         /// The size with the coarsest precision.
-        least: String,
+        smallest: String,
     },
     /// There are no such frames.
     #[error("{0}")]

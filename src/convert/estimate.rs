@@ -71,7 +71,7 @@ pub struct SampleFrame {
     clouds: Vec<(RawCloud, Arc<FrameEntry>)>,
     /// The place of the frame among them.
     place: usize,
-    /// Frames of the sequence.
+    /// Frames that are converted.
     frame_count: usize,
     /// `None` of a frame without points.
     reference: Option<ReferenceCloud>,
@@ -129,12 +129,17 @@ fn other_way(options: &ReelOptions) -> Option<ReelOptions> {
 }
 
 impl SampleFrame {
-    /// Decodes frame `index` and edits it.
+    /// Decodes frame `index` of the frames that are converted, and edits it.
     ///
     /// # Errors
     /// A frame that cannot be read or edited.
-    pub fn read(sequence: &Sequence, index: usize, edit: &Edit) -> Result<Self, ConvertError> {
-        let sample = Self::read_with(sequence, index, |index| edited(sequence, index, edit))?;
+    pub fn read(
+        sequence: &Sequence,
+        frames: &RangeInclusive<usize>,
+        index: usize,
+        edit: &Edit,
+    ) -> Result<Self, ConvertError> {
+        let sample = Self::read_with(sequence, frames, index, |index| edited(sequence, index, edit))?;
         Ok(Self {
             reference: ReferenceCloud::new(&sample.judged().0).ok(),
             ..sample
@@ -145,6 +150,7 @@ impl SampleFrame {
     /// Neighbouring frames that cannot be read are skipped.
     pub(super) fn read_with(
         sequence: &Sequence,
+        frames: &RangeInclusive<usize>,
         index: usize,
         decode: impl Fn(usize) -> Result<RawCloud, ConvertError>,
     ) -> Result<Self, ConvertError> {
@@ -153,13 +159,14 @@ impl SampleFrame {
             0..=MAX_BYTES_OF_TWO => (BYTES_OF_MANY / cloud.byte_size().max(1)).clamp(2, MAX_FRAMES),
             _ => 1,
         };
-        let group = index / MAX_FRAMES * MAX_FRAMES;
-        let is_whole = count == MAX_FRAMES && group + 2 < sequence.len();
+        let (start, end) = (*frames.start(), frames.end() + 1);
+        let group = start + index.saturating_sub(start) / MAX_FRAMES * MAX_FRAMES;
+        let is_whole = count == MAX_FRAMES && group + 2 < end;
         // Small frames are grouped as by the default options, others follow their predecessor.
         let first = if is_whole {
             group
         } else {
-            (index + 1).saturating_sub(count)
+            (index + 1).saturating_sub(count).max(start)
         };
         let adjacent = |range: Range<usize>| {
             let decoded = range.map(|index| (decode(index), index));
@@ -168,12 +175,12 @@ impl SampleFrame {
         let mut clouds: Vec<_> = adjacent(first..index).collect();
         let place = clouds.len();
         clouds.push((cloud, sequence.entry(index)));
-        clouds.extend(adjacent(index + 1..(first + count).min(sequence.len())));
+        clouds.extend(adjacent(index + 1..(first + count).min(end)));
         Ok(Self {
             index,
             clouds,
             place,
-            frame_count: sequence.len(),
+            frame_count: frames.clone().count(),
             reference: None,
         })
     }

@@ -41,7 +41,7 @@ fn judged(index: usize, target: &Target) -> SampleEstimate {
 }
 
 fn judged_of(sequence: &Sequence, index: usize, target: &Target) -> SampleEstimate {
-    let sample = SampleFrame::read(sequence, index, &Edit::default()).unwrap();
+    let sample = SampleFrame::read(sequence, &(0..=sequence.len() - 1), index, &Edit::default()).unwrap();
     sample.judge(target, &Progress::default()).unwrap().unwrap()
 }
 
@@ -132,7 +132,7 @@ fn files_are_estimated_by_reading_them_back() {
 
 #[test]
 fn a_cancelled_frame_is_not_estimated() {
-    let sample = SampleFrame::read(&sequence(), 0, &Edit::default()).unwrap();
+    let sample = SampleFrame::read(&sequence(), &(0..=sequence().len() - 1), 0, &Edit::default()).unwrap();
     let progress = Progress::default();
     progress.cancel();
     let target = Target::Files(WriteFormat::default());

@@ -43,7 +43,8 @@ impl MergePrice {
         let Some(&frame) = frames.get(frames.len() / 2).filter(|_| !options.keeps_points()) else {
             return Ok(None);
         };
-        let sample = SampleFrame::read_with(sequence, frame, |index| conversion.edited(sequence, index))?;
+        let converted = frames[0]..=frames[frames.len() - 1];
+        let sample = SampleFrame::read_with(sequence, &converted, frame, |index| conversion.edited(sequence, index))?;
         let whole = sample.other(&ReelOptions {
             precision: Precision::PointSpacing,
             ..options.clone()

@@ -39,7 +39,6 @@ pub use record::Record;
 use self::frame::write_frame;
 use crate::messages::missing_frames;
 use crate::progress::Progress;
-use crate::reel::ReelOptions;
 use crate::sequence::Sequence;
 use std::path::Path;
 use std::time::Duration;
@@ -57,24 +56,25 @@ pub fn convert(sequence: &Sequence, conversion: &Conversion, progress: &Progress
             input,
         });
     }
-    let mut converted = match (conversion.goal, &conversion.output) {
-        (Some(goal), Output::Reel(path, options)) => {
-            convert_to_goal(sequence, conversion, (goal, path, options), frames, progress)?
-        }
-        _ => convert_frames(sequence, conversion, frames, progress)?,
+    let mut converted = match conversion.goal {
+        Some(goal) => convert_to_goal(sequence, conversion, goal, frames, progress)?,
+        None => convert_frames(sequence, conversion, frames, progress)?,
     };
     converted.notes.extend(cameras_note(sequence));
     Ok(converted)
 }
 
-/// Chooses the precision for a goal, and writes with it.
+/// Chooses the precision of a sequence file for a goal, and writes with it; other files have none.
 fn convert_to_goal(
     sequence: &Sequence,
     conversion: &Conversion,
-    (goal, path, options): (RateGoal, &Path, &ReelOptions),
+    goal: RateGoal,
     frames: Vec<usize>,
     progress: &Progress,
 ) -> Result<Converted, ConvertError> {
+    let Output::Reel(path, options) = &conversion.output else {
+        return convert_frames(sequence, conversion, frames, progress);
+    };
     let Some(chosen) = goal.choose(sequence, &frames, &conversion.edit, options, progress)? else {
         return Ok(Converted {
             is_cancelled: true,

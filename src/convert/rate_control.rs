@@ -16,12 +16,13 @@ use crate::sequence::Sequence;
 /// Frames that the precision is chosen by.
 const FRAMES: usize = 3;
 
-/// Finest and coarsest precision, as powers of two of the extent of the cloud.
-const FINEST_LOG2: f64 = -24.0;
+/// Finest and coarsest precision, as powers of two of the extent of the cloud. A stray point may be far away, so the
+/// finest is that of f64.
+const FINEST_LOG2: f64 = -52.0;
 const COARSEST_LOG2: f64 = -2.0;
 
-/// Bisections of that range: to a 128th of an octave, a hundredth of a bit per coordinate.
-const STEPS: usize = 11;
+/// Bisections of that range: to a 160th of an octave, less than a hundredth of a bit per coordinate.
+const STEPS: usize = 13;
 
 /// Share of the requested size that estimates may fill: those of three frames are off by a percent or two.
 const FILLED_SHARE: f64 = 0.98;
@@ -61,6 +62,10 @@ impl RateGoal {
         options: &ReelOptions,
         progress: &Progress,
     ) -> Result<Option<ChosenRate>, ConvertError> {
+        let (Some(&first), Some(&last)) = (frames.first(), frames.last()) else {
+            return Ok(None);
+        };
+        let converted = first..=last;
         let count = FRAMES.min(frames.len());
         let places = (0..count).map(|place| frames[(2 * place + 1) * frames.len() / (2 * count)]);
         let mut samples = Vec::new();
@@ -69,7 +74,7 @@ impl RateGoal {
             if progress.is_cancelled() {
                 return Ok(None);
             }
-            match SampleFrame::read(sequence, index, edit) {
+            match SampleFrame::read(sequence, &converted, index, edit) {
                 Ok(sample) => samples.push(sample),
                 Err(error) => {
                     first_failure.get_or_insert(error);
@@ -93,15 +98,15 @@ impl RateGoal {
         options: &ReelOptions,
         progress: &Progress,
     ) -> Result<Option<ChosenRate>, ConvertError> {
-        let trial = Trial {
+        let candidates = Candidates {
             samples,
             frame_count: frame_count as f64,
             options,
             progress,
         };
         match self {
-            Self::Bytes(bytes) => trial.of_size(bytes as f64),
-            Self::RmsError(error) => trial.of_error(error),
+            Self::Bytes(bytes) => candidates.of_size(bytes as f64),
+            Self::RmsError(error) => candidates.of_error(error),
         }
     }
 
@@ -112,7 +117,7 @@ impl RateGoal {
             Self::RmsError(error) => format!("an error of {error}"),
         };
         let precision = match chosen.options.precision {
-            Precision::Lossless => "lossless".to_owned(),
+            Precision::Lossless => "exact positions".to_owned(),
             Precision::Length(length) => format!("precision {length:.3e}"),
             other => format!("{other:?}"),
         };
@@ -139,14 +144,14 @@ fn megabytes(bytes: f64) -> String {
 }
 
 /// Frames that are encoded with one precision after another.
-struct Trial<'a> {
+struct Candidates<'a> {
     samples: &'a [&'a SampleFrame],
     frame_count: f64,
     options: &'a ReelOptions,
     progress: &'a Progress,
 }
 
-impl Trial<'_> {
+impl Candidates<'_> {
     fn with(&self, precision: Precision) -> ReelOptions {
         ReelOptions {
             precision,
@@ -177,28 +182,31 @@ impl Trial<'_> {
         let fits = |chosen: &ChosenRate| chosen.bytes <= FILLED_SHARE * bytes;
         let lossless = self.chosen(self.with(Precision::Lossless))?;
         let extent = self.extent();
-        if fits(&lossless) || extent == 0.0 {
+        if fits(&lossless) {
             return Ok(Some(lossless));
+        }
+        let refused = |smallest: &ChosenRate| ConvertError::TooSmall {
+            wanted: megabytes(bytes),
+            smallest: megabytes(smallest.bytes / FILLED_SHARE),
+        };
+        if extent == 0.0 {
+            return Err(refused(&lossless));
         }
         let of = |log2: f64| self.chosen(self.with(Precision::Length(extent * log2.exp2())));
         let [mut finest, mut coarsest] = [FINEST_LOG2, COARSEST_LOG2];
         let mut best = of(coarsest)?;
         if !fits(&best) {
-            return Err(ConvertError::TooSmall {
-                wanted: megabytes(bytes),
-                least: megabytes(best.bytes / FILLED_SHARE),
-            });
+            return Err(refused(&best));
         }
         for _ in 0..STEPS {
             if self.progress.is_cancelled() {
                 return Ok(None);
             }
-            let middle = 0.5 * (finest + coarsest);
-            let chosen = of(middle)?;
-            if fits(&chosen) {
-                (best, coarsest) = (chosen, middle);
-            } else {
-                finest = middle;
+            let halfway = 0.5 * (finest + coarsest);
+            // A precision may be too fine for the format: then a coarser one is tried as well.
+            match of(halfway) {
+                Ok(chosen) if fits(&chosen) => (best, coarsest) = (chosen, halfway),
+                _ => finest = halfway,
             }
         }
         Ok(Some(best))
@@ -220,7 +228,7 @@ impl Trial<'_> {
             if rms == 0.0 || (FILLED_SHARE * error..=error).contains(&rms) {
                 break;
             }
-            // In the middle of what is near enough.
+            // Halfway between the bounds of what is near enough.
             length *= 0.5 * (1.0 + FILLED_SHARE) * error / rms;
         }
         self.chosen(best).map(Some)
@@ -285,7 +293,7 @@ mod tests {
         assert!(sizes.is_sorted(), "{sizes:?}");
         // Larger than a lossless file.
         let (_, notes) = written(RateGoal::Bytes(1 << 40), folder.path()).unwrap();
-        assert!(notes.iter().any(|note| note.contains("lossless")), "{notes:?}");
+        assert!(notes.iter().any(|note| note.contains("exact positions")), "{notes:?}");
         let refused = written(RateGoal::Bytes(100), folder.path()).unwrap_err().to_string();
         assert!(refused.contains("0.00 MB") && refused.contains("--sample"), "{refused}");
     }

@@ -451,7 +451,7 @@ impl Sequence {
         let space = match index {
             // The sample already determines the origin, so that the camera stays in place when all points have arrived.
             0 => self.space.decided_by(present)?,
-            _ => self.space.known()?,
+            _ => self.space.known_of_sample()?,
         };
         let decoder_ms = milliseconds_since(start) as f32;
         let frame = match sample.level {

@@ -8,8 +8,9 @@
 //!
 //! **Cells.** The cube around the frame that decides the origin is one cell of the lattice ([`Lattice`]).
 //!
-//! **By some points.** Of a large frame some points are shown before all are read: they decide then. The grid's step
-//! and the centre match those of all points, or are so near that f32 from there keep the same precision.
+//! **By some points.** Of a large frame some points are shown before all are read: they decide the origin then. The
+//! grid's step and the centre match those of all points, or are so near that f32 from there keep the same precision. The
+//! cells wait for all points, which have another cube around them.
 //!
 //! **Alongside another sequence** its origin is used if that preserves enough: the same coordinates of two files are
 //! then the same f32, and equal clouds have no distance. Its cells are used with it.
@@ -68,7 +69,9 @@ pub(super) trait SpaceFrames: Send + Sync {
 /// Decides the space once, on demand.
 #[derive(Default)]
 pub(super) struct SpaceFinder {
-    space: OnceLock<Space>,
+    origin: OnceLock<DVec3>,
+    /// Decided with the origin, or later if some points decided that; `None` if no frame has a point.
+    lattice: OnceLock<Option<Lattice>>,
     /// Held by the deciding thread, with the number of cancellations.
     deciding: Mutex<()>,
     given_up: AtomicUsize,
@@ -108,8 +111,8 @@ impl SpaceFinder {
                     }
                     // The first frame of a folder may still be being written: then a later one decides.
                     Some(Decided::ByNone) if frames.may_grow() => Some(Space::default()),
-                    Some(Decided::ByNone) => Some(*self.space.get_or_init(Space::default)),
-                    Some(Decided::ByFrame(space)) => Some(*self.space.get_or_init(|| space)),
+                    Some(Decided::ByNone) => Some(self.keep(Space::default())),
+                    Some(Decided::ByFrame(space)) => Some(self.keep(space)),
                 }
             })
         })
@@ -124,20 +127,39 @@ impl SpaceFinder {
     }
 
     /// The space, if it is decided.
-    pub(super) fn known(&self) -> Option<Space> {
-        self.space.get().copied()
+    fn known(&self) -> Option<Space> {
+        Some(Space {
+            origin: *self.origin.get()?,
+            lattice: *self.lattice.get()?,
+        })
     }
 
-    /// The space, decided by the box around some points of the first frame if it is not known; `None` where it depends
-    /// on another sequence.
+    /// Sets what is not decided yet.
+    fn keep(&self, space: Space) -> Space {
+        Space {
+            origin: *self.origin.get_or_init(|| space.origin),
+            lattice: *self.lattice.get_or_init(|| space.lattice),
+        }
+    }
+
+    /// The space of some points of a frame, as far as it is decided: its cells may not be.
+    pub(super) fn known_of_sample(&self) -> Option<Space> {
+        Some(Space {
+            origin: *self.origin.get()?,
+            lattice: self.lattice.get().copied().flatten(),
+        })
+    }
+
+    /// [`SpaceFinder::known_of_sample`], whose origin is decided by the box around some points of the first frame if it
+    /// is not known; `None` where it depends on another sequence.
     pub(super) fn decided_by(&self, present: Option<(DVec3, DVec3)>) -> Option<Space> {
-        self.known().or_else(|| {
+        self.known_of_sample().or_else(|| {
             let _turn = lock(&self.deciding);
-            self.known().or_else(|| {
+            if self.origin.get().is_none() {
                 let (min, max) = present.filter(|_| self.companion.get().is_none())?;
-                let space = space_of_bounds(min, max);
-                Some(*self.space.get_or_init(|| space))
-            })
+                self.origin.get_or_init(|| origin_of_bounds(min, max));
+            }
+            self.known_of_sample()
         })
     }
 
@@ -160,7 +182,15 @@ impl SpaceFinder {
                         None => None,
                     };
                     let is_near = |space: &Space| is_near(space.origin, min, max, FAR_COMPANION_IN_EXTENTS);
-                    let space = companion.filter(is_near).unwrap_or_else(|| space_of_bounds(min, max));
+                    let shared = companion.filter(is_near);
+                    let origin = self.origin.get().copied().or(shared.map(|space| space.origin));
+                    let origin = origin.unwrap_or_else(|| origin_of_bounds(min, max));
+                    // Another sequence without a point has none.
+                    let lattice = shared
+                        .filter(|space| space.origin == origin)
+                        .and_then(|space| space.lattice);
+                    let lattice = lattice.or_else(|| lattice_of_bounds(origin, min, max));
+                    let space = Space { origin, lattice };
                     if let Ok((raw, _)) = &decoded {
                         let mut sample = ValueSample::of_raw(raw, missing, space.origin);
                         for further in frames.further_samples(index) {
@@ -252,20 +282,15 @@ fn is_near(origin: DVec3, min: DVec3, max: DVec3, far_in_extents: f64) -> bool {
     away.length() <= far_in_extents * extent
 }
 
-/// The space for finite coordinates between `min` and `max`.
-fn space_of_bounds(min: DVec3, max: DVec3) -> Space {
-    let origin = origin_of_bounds(min, max);
+/// The cells for finite coordinates between `min` and `max`, relative to an origin.
+fn lattice_of_bounds(origin: DVec3, min: DVec3, max: DVec3) -> Option<Lattice> {
     // As a frame has them: rounding keeps their order.
     let bounds = Aabb {
         min: (min - origin).as_vec3(),
         max: (max - origin).as_vec3(),
     };
     let is_finite = bounds.min.is_finite() && bounds.max.is_finite();
-    let cube = Cube::around_box(&bounds).filter(|_| is_finite);
-    Space {
-        origin,
-        lattice: cube.map(Lattice::of),
-    }
+    Cube::around_box(&bounds).filter(|_| is_finite).map(Lattice::of)
 }
 
 /// The origin for finite coordinates between `min` and `max`.
@@ -336,6 +361,9 @@ mod tests {
         assert!(sequence.load_sample(1, 100, 0).is_some());
         assert_eq!(sequence.decode_count(), 0, "nothing is read whole");
         let whole = sequence.frame(0).unwrap();
+        let fitted = Cube::around(whole.positions()).unwrap();
+        assert_eq!(whole.cube(), fitted, "cells are decided by all points");
+        assert_eq!(sequence.decode_count(), 1, "and it is read once for that");
         for (&index, at) in sample.file_index().iter().zip(sample.positions()) {
             let slot = whole.file_index().iter().position(|&i| i == index);
             assert_eq!(*at, whole.positions()[slot.unwrap()]);

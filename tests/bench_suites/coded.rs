@@ -75,11 +75,8 @@ fn byte_codes_are_measured() {
     let [masks, no_offsets] = ["masks", "masks, no offsets"].map(|mode| ratio(mode).unwrap());
     assert!(masks > 25.0 && no_offsets < masks, "{masks} {no_offsets}");
     for blocks in ["masks, blocks of 8", "masks, blocks of 256", "masks, blocks of 4096"] {
-        assert_eq!(
-            ratio(blocks),
-            Some(masks),
-            "{blocks}: the image does not depend on blocks"
-        );
+        // A large block is drawn on one level, no coarser than that of each of its parts.
+        assert!(ratio(blocks).unwrap() > masks - 0.5, "{blocks}");
     }
 
     let equal = rows_of(&report, "equal time");

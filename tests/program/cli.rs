@@ -513,7 +513,7 @@ fn bench_names_its_suites() {
     assert_eq!(output.status.code(), Some(2));
     assert!(
         stderr(&output).contains(
-            "expected surfels, octree, voxels, accuracy, render, play, window, error, temporal, lod, primitives, reel, \
+            "expected surfels, octree, voxels, accuracy, render, play, window, error, temporal, lod, primitives, coded, reel, \
              rate, rgbd, vdts or stability"
         ),
         "{}",

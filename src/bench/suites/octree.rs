@@ -18,6 +18,7 @@ use crate::bench::subject::Subject;
 use crate::bench::suite::{Defaults, Suite};
 use crate::bench::{BenchError, Quantiles};
 use crate::levels::octree::{Octree, StopCriterion};
+use crate::math::Cube;
 use crate::scene::{Camera, Scene};
 use crate::sequence::PreparedFrame;
 use crate::stopwatch::milliseconds_since;
@@ -146,6 +147,8 @@ struct BuildInput {
 
 /// Inputs of the octree builds of a frame.
 struct Beginnings<'a> {
+    /// The cube of the frame, in whose Morton order its points are.
+    cube: Cube,
     file_order: BuildInput,
     morton_order: BuildInput,
     one_thread: &'a ThreadPool,
@@ -253,7 +256,10 @@ impl Way {
         } else {
             &beginnings.morton_order
         };
-        let build = || Octree::build(black_box(positions), black_box(colors), StopCriterion::Loss(delta));
+        let build = || {
+            let (positions, colors) = (black_box(positions), black_box(colors));
+            Octree::build_in(beginnings.cube, positions, colors, StopCriterion::Loss(delta))
+        };
         if self.is_on_one_thread {
             beginnings.one_thread.install(build)
         } else {
@@ -269,6 +275,7 @@ impl<'a> Beginnings<'a> {
             colors: frame.points.iter().map(|point| point.color).collect(),
         };
         Self {
+            cube: frame.frame.cube(),
             file_order: morton_order.in_file_order(frame.frame.file_index()),
             morton_order,
             one_thread,

@@ -3,7 +3,7 @@
 
 use super::gpu_data::{
     BACK_FACES_CULLED, BACK_FACES_DARKER, KERNEL_BOX, KERNEL_HAT, LIGHTING_PER_FRAGMENT, LIGHTING_PER_SURFEL,
-    LIGHTING_PER_VERTEX, VISIBILITY_SQUARE,
+    LIGHTING_PER_VERTEX,
 };
 use super::photos::{
     ANSWER_CLIPPED, ANSWER_SHOWN, ANSWER_UNSEEN, PHOTO_CLIPS_BY_ANY, PHOTO_CLIPS_BY_VOTE, PHOTO_IS_WHITE,
@@ -178,7 +178,6 @@ pub(super) fn shared() -> String {
         VERTICES_PER_QUAD,
         VERTICES_PER_TRIANGLE,
         VIEW_GROUP,
-        VISIBILITY_SQUARE,
     ];
     [pixel_lines(), declared].join("\n")
 }

@@ -10,7 +10,7 @@ use crate::levels::{Selection, SequenceFilter};
 use crate::math::Frustum;
 use crate::render::constants::depth_slack_radii;
 use crate::rgbd::{Bilateral, Filters, FlyingPixels, Temporal};
-use crate::scene::{Kernel, Lighting, Lights, PointSize, ScenePacket, Shadow, SplatFilter, VisibilityShape};
+use crate::scene::{Kernel, Lighting, Lights, PointSize, ScenePacket, Shadow, SplatFilter};
 use crate::stereo::matching::constants::MAX_RADIUS;
 use crate::stereo::{self, Between, DisparityRange, Matching, Penalties};
 use bytemuck::Zeroable;
@@ -44,10 +44,6 @@ const BACK_FACES_DRAWN: u32 = 0;
 pub(super) const KERNEL_HAT: u32 = 1;
 pub(super) const KERNEL_BOX: u32 = 2;
 const KERNEL_GAUSSIAN: u32 = 0;
-
-/// [`ViewUniform::visibility_shape`].
-pub(super) const VISIBILITY_SQUARE: u32 = 1;
-const VISIBILITY_DISK: u32 = 0;
 
 shared_struct! {
     /// Uniform of `passes/gather.wgsl`: the records to gather.
@@ -385,8 +381,6 @@ shared_struct! {
         back_faces: u32,
         /// `KERNEL_*`, or Gaussian.
         kernel: u32,
-        /// `VISIBILITY_*`, or disks.
-        visibility_shape: u32,
         /// Distance of the centre of the cloud: the unit of distances that half floats hold.
         usual_distance: f32,
     }
@@ -469,10 +463,6 @@ impl ViewUniform {
                 Kernel::Gaussian => KERNEL_GAUSSIAN,
                 Kernel::Hat => KERNEL_HAT,
                 Kernel::Flat => KERNEL_BOX,
-            },
-            visibility_shape: match packet.style.visibility_shape() {
-                VisibilityShape::Disk => VISIBILITY_DISK,
-                VisibilityShape::Square => VISIBILITY_SQUARE,
             },
             px_per_slope: [0, 1].map(|axis| 0.5 * packet.view.focal[axis] * packet.viewport_px[axis] as f32),
             point_edge: point_size.edge,

@@ -106,8 +106,8 @@ group! {
             value_name: "N",
             help: "Nodes of a byte code that are culled and decoded together",
             title: "Block size",
-            hint: "Nodes of the byte code that are culled and decoded together, on average. The image is the same, its \
-                   speed differs",
+            hint: "Nodes of the byte code that are culled and decoded together, on average. A block is drawn on one \
+                   level, that of its nearest corner",
             section: Section::Footprints,
             when: |drawn| drawn.asks_for_codes(),
             label: Label::Unusual(Place::What, "blocks of {}"),

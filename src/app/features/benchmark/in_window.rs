@@ -19,6 +19,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 impl State {
+    /// Measures the open sequence with the default options of a suite.
+    pub fn start_default_benchmark(&mut self, suite: &'static Suite) {
+        self.start_benchmark(BenchmarkSetup::new(suite));
+    }
+
     /// Measures the open sequence on a thread; playing rests, it would disturb the measurement.
     pub fn start_benchmark(&mut self, setup: BenchmarkSetup) {
         let Some(player) = &mut self.player else {
@@ -71,7 +76,7 @@ fn why_not_run(state: &State) -> Result<(), &'static str> {
 
 const COMMANDS: &[Row] = &[
     Row::taking(Command::RUN_BENCHMARK, "Run a benchmark", "SUITE", |state, name| {
-        state.start_benchmark(BenchmarkSetup::new(suite_of(name)?));
+        state.start_default_benchmark(suite_of(name)?);
         Ok(())
     })
     .applies(why_not_run),

@@ -3,7 +3,6 @@
 
 use super::MeasuredQuality;
 use super::panel::{QualityRequest, quality_ui};
-use crate::app::features::benchmark::BenchmarkSetup;
 use crate::app::features::feature::{Feature, FeatureOf};
 use crate::app::settings_row::{NamedRow, SettingsPart, SettingsRow};
 use crate::app::side::Side;
@@ -76,7 +75,7 @@ fn quality(ui: &mut Ui, state: &mut State) {
         return;
     }
     match quality_ui(ui, &mut state.features.quality, &state.style) {
-        Some(QualityRequest::Measure) => state.start_benchmark(BenchmarkSetup::new(suites::ERROR)),
+        Some(QualityRequest::Measure) => state.start_default_benchmark(suites::ERROR),
         Some(QualityRequest::DrawAs(way)) => state.draw_as_measured(&way),
         None => {}
     }

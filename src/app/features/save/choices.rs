@@ -1,7 +1,7 @@
 //! Save settings of the user.
 
 use super::estimates::Estimates;
-use crate::convert::{Edit, Place, RateGoal, Target};
+use crate::convert::{Place, RateGoal, Target};
 use crate::io::WriteFormat;
 use crate::reel::{Coding, Precision, ReelOptions};
 use std::path::PathBuf;
@@ -87,8 +87,8 @@ pub struct Save {
     pub name: Option<String>,
     /// Points of the open sequence sample a surface.
     pub(in crate::app) samples_surface: bool,
-    /// Target state found at the last check of a destination.
-    pub(in crate::app) found: Option<(PathBuf, Target, Edit, Place)>,
+    /// Target state found at the last check of a destination, cropped or not.
+    pub(in crate::app) found: Option<(PathBuf, Target, bool, Place)>,
     /// Size and quality estimates for the settings.
     pub estimates: Estimates,
 }

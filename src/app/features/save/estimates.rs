@@ -157,7 +157,11 @@ impl Estimates {
             self.before = None;
             self.cached.clear();
         }
-        if self.question.as_ref().is_none_or(|before| before.edit != question.edit) {
+        if self
+            .question
+            .as_ref()
+            .is_none_or(|before| !before.has_same_samples(&question))
+        {
             self.cached.clear();
         }
         self.judged.clear();
@@ -202,8 +206,9 @@ impl Estimates {
         if !self.question.as_ref().is_some_and(is_of_same) {
             return;
         }
-        let is_edited_alike = self.question.as_ref().is_some_and(|asked| asked.edit == question.edit);
-        if let Some(sample) = sample.filter(|_| is_edited_alike) {
+        let has_same_samples = |asked: &Question| asked.has_same_samples(&question);
+        let is_asked = self.question.as_ref().is_some_and(has_same_samples);
+        if let Some(sample) = sample.filter(|_| is_asked) {
             self.keep(sample);
         }
         if let Some(SourceBytes(bytes)) = source {
@@ -261,7 +266,7 @@ fn judge(
     let source = (!knows_source).then(|| SourceBytes(source_bytes(sequence, &question.frames)));
     let sample = match cached {
         Some(sample) => Ok(sample),
-        None => SampleFrame::read(sequence, index, &question.edit).map(Arc::new),
+        None => SampleFrame::read(sequence, &question.frames, index, &question.edit).map(Arc::new),
     };
     let judged = match &sample {
         Ok(sample) => question.judge(sample, progress).transpose(),
@@ -281,6 +286,11 @@ fn judge(
 }
 
 impl Question {
+    /// Returns true if frames are read in the same way.
+    fn has_same_samples(&self, other: &Self) -> bool {
+        self.sequence == other.sequence && self.frames == other.frames && self.edit == other.edit
+    }
+
     /// Judges a frame, with the precision that is chosen by it alone if there is a goal; `None` once cancelled.
     fn judge(&self, sample: &SampleFrame, progress: &Progress) -> Result<Option<SampleEstimate>, ConvertError> {
         let (Some(goal), Target::Reel(options)) = (self.goal, &self.target) else {

@@ -308,8 +308,9 @@ fn numbers(ui: &mut Ui, save: &Save, of: &Savable) -> Option<SaveRequest> {
     let mut request = None;
     ui.horizontal(|ui| {
         ui.label(RichText::new(heading).strong());
-        // The precision of a goal is known once it is saved.
-        if save.format == SaveFormat::Reel && of.sequence.is_some() && save.goal().is_none() {
+        // The precision of a goal is known once it is saved, and what is compared is not cropped.
+        let is_comparable = save.goal().is_none() && save.edit(of).crop.is_none();
+        if save.format == SaveFormat::Reel && of.sequence.is_some() && is_comparable {
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 let compare = ui.button("Compare");
                 let tooltip = "Shows the result next to the open sequence, in the same view";

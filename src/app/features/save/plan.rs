@@ -143,14 +143,19 @@ impl Save {
         };
         let (output, target) = (self.output(&of.stem), self.target(sequence.fps()));
         match &self.found {
-            Some((known, of_target, edit, place))
-                if *known == output && *of_target == target && *edit == conversion.edit =>
+            // Not again for each step of a clip that is dragged: all inputs are looked at. Saving looks again.
+            Some((known, of_target, crops, place))
+                if *known == output && *of_target == target && *crops == self.crops =>
             {
                 *place
             }
             _ => {
-                let place = Place::of(&conversion, sequence);
-                self.found = Some((output, target, conversion.edit, place));
+                let place = match Place::of(&conversion, sequence) {
+                    // Its precision is chosen again, so it may begin anew.
+                    Place::Interrupted if self.goal().is_some() => Place::Taken,
+                    place => place,
+                };
+                self.found = Some((output, target, self.crops, place));
                 place
             }
         }

@@ -1,7 +1,7 @@
 //! Points and splats per second, drawn from the byte code, and from records.
 
 use super::columns::{DRAWING, row};
-use super::{Subjected, style};
+use super::subjected::{Subjected, style};
 use crate::bench::report::{Cell, Row};
 use crate::bench::run::Run;
 use crate::bench::runner::Runner;

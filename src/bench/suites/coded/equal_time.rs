@@ -4,7 +4,7 @@
 //! drawn, and compared with their image.
 
 use super::columns::{EQUAL_TIME, row};
-use super::{Subjected, style};
+use super::subjected::{Subjected, style};
 use crate::bench::report::{Cell, Row};
 use crate::bench::run::Run;
 use crate::bench::runner::Runner;
@@ -48,7 +48,8 @@ pub(super) fn rows(run: &Run<'_>, processor: &mut Runner, of: &Subjected<'_>) ->
         for level in (0..=of.cloud.depth()).rev() {
             let style = style().with(|style| {
                 style.codes.footprint = footprint;
-                style.levels.lod = Lod::Level(level);
+                // Levels are counted from the first frame's cube.
+                style.levels.lod = Lod::Level(level.saturating_add_signed(-of.frame.frame.levels_above_first()));
             });
             let drawn = timed(run, processor, of, &camera, &style)?;
             if drawn.ms <= mesh.ms || level == 0 {

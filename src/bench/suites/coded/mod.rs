@@ -13,19 +13,21 @@ mod drawings;
 mod equal_time;
 mod orders;
 mod sizes;
+mod subjected;
 
 use crate::bench::BenchError;
 use crate::bench::run::Run;
 use crate::bench::runner::Runner;
 use crate::bench::subject::Subject;
 use crate::bench::suite::{Defaults, Suite};
-use crate::levels::octree::{CodedCloud, Octree, StopCriterion};
+use crate::levels::octree::StopCriterion;
 use crate::levels::{LevelsKey, LevelsKind};
 use crate::progress::Progress;
 use crate::render::AnyRenderer;
-use crate::scene::{Footprint, Lighting, RendererChoice, Scene, Style};
+use crate::scene::Scene;
 use crate::sequence::{Needs, Paint, PreparedFrame, PreparedMesh, Shape};
 use std::sync::Arc;
+use subjected::{Subjected, style};
 
 /// Sizes and speeds of byte codes.
 pub const CODED: &Suite = &Suite {
@@ -59,15 +61,6 @@ pub const CODED: &Suite = &Suite {
 /// One step to prepare a frame, one each for the tables.
 const STEPS_PER_FRAME: usize = 5;
 
-/// Byte codes are drawn by the CPU alone.
-fn style() -> Style {
-    Style::default().with(|style| {
-        style.drawing.renderer = RendererChoice::Cpu;
-        style.light.lighting = Lighting::PerSurfel;
-        style.codes.footprint = Footprint::Masks;
-    })
-}
-
 /// The frame with its byte code, and with triangles: those of its file, or those of a shape.
 fn needs() -> Needs {
     Needs {
@@ -77,16 +70,6 @@ fn needs() -> Needs {
         }),
         ..Scene::needs(&style())
     }
-}
-
-/// A frame whose byte code is measured.
-struct Subjected<'a> {
-    subject: &'a Subject<'a>,
-    /// Name in the rows: of the frame if several are measured.
-    name: String,
-    frame: PreparedFrame,
-    octree: Arc<Octree>,
-    cloud: Arc<CodedCloud>,
 }
 
 pub(super) fn measure(run: &mut Run<'_>) -> Result<(), BenchError> {

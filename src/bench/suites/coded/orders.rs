@@ -1,7 +1,7 @@
 //! The code in both of its orders, on one thread.
 
-use super::Subjected;
 use super::columns::{ORDERS, row};
+use super::subjected::Subjected;
 use crate::bench::report::{Cell, Row};
 use crate::bench::run::Run;
 use crate::bench::{BenchError, Quantiles};
@@ -26,11 +26,11 @@ struct OrderTimes {
 pub(super) fn rows(run: &Run<'_>, of: &Subjected<'_>) -> Result<Vec<Row>, BenchError> {
     let depth_first = DepthFirstCode::of(&of.octree);
     let cube = of.cloud.cube();
-    let middle = cube.cell_center(0, [0; 3]);
-    // Nodes on one side of a plane through the middle, by the spheres around them.
+    let cube_center = cube.cell_center(0, [0; 3]);
+    // Nodes on one side of a plane through the centre, by the spheres around them.
     let is_visible = |level: u32, center: Vec3| {
         let reach = 0.87 * cube.cell_edge(level);
-        level < FIRST_CULLED_LEVEL || (center - middle).dot(Vec3::new(0.6, 0.64, 0.48)) > -reach
+        level < FIRST_CULLED_LEVEL || (center - cube_center).dot(Vec3::new(0.6, 0.64, 0.48)) > -reach
     };
     let mut times: [OrderTimes; 2] = Default::default();
     let mut culled_leaves = [0; 2];

@@ -4,12 +4,13 @@
 //! memory, and is packed by gzip as its files are. Breadth-first codes have attributes of all nodes, so that any prefix
 //! is a cloud; depth-first codes those of leaves alone.
 
-use super::Subjected;
 use super::columns::{SIZES, row};
+use super::subjected::Subjected;
 use crate::bench::report::{Cell, Row};
 use crate::cloud::coarser_normal;
-use crate::levels::octree::StopCriterion;
 use crate::levels::octree::coded::{CodedCloud, DepthFirstCode, NodeAttributes};
+use crate::levels::octree::{Octree, StopCriterion};
+use crate::math::morton::LEVELS;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use std::io::Write as _;
@@ -40,7 +41,7 @@ pub(super) fn rows(of: &Subjected<'_>) -> Vec<Row> {
     let (Some(shapes), name) = (&of.frame.shapes, &of.name) else {
         return Vec::new();
     };
-    let spacing = of.octree.with_stop(StopCriterion::Spacing).depth();
+    let spacing = usual_leaf_level(&of.octree.with_stop(StopCriterion::Spacing));
     let trees = [
         ("δ 5 %", StopCriterion::PAPER),
         ("by spacing", StopCriterion::Depth(spacing)),
@@ -52,6 +53,16 @@ pub(super) fn rows(of: &Subjected<'_>) -> Vec<Row> {
         of_tree(name, tree, &cloud, &depth_first)
     };
     trees.into_iter().flat_map(rows_of).collect()
+}
+
+/// The level of the majority of leaves.
+fn usual_leaf_level(tree: &Octree) -> u32 {
+    let mut counts = [0; LEVELS as usize + 1];
+    for voxel in tree.level_voxels(tree.depth()) {
+        counts[usize::from(voxel.level)] += 1;
+    }
+    let levels = (0..).zip(counts);
+    levels.max_by_key(|&(_, count)| count).map_or(0, |(level, _)| level)
 }
 
 fn of_tree(sequence: &str, tree: &str, cloud: &CodedCloud, depth_first: &DepthFirstCode) -> Vec<Row> {

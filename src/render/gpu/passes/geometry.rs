@@ -19,6 +19,13 @@ pub(in crate::render::gpu) const DEPTH: GeometryPass = GeometryPass {
     ..VISIBILITY
 };
 
+/// [`VISIBILITY`] with the squares around the disks.
+pub(in crate::render::gpu) const VISIBILITY_SQUARE: GeometryPass = GeometryPass {
+    name: "visibility of squares",
+    file: shader_file!("passes/visibility_square.wgsl"),
+    ..VISIBILITY
+};
+
 /// Sums colours and weights of fragments that pass the depth test against the visibility pass (the 4D media paper §V-B,
 /// second pass; normalised sums instead of ordered blending, as in Sainz and Pajarola 2004, so that no order is
 /// needed).

@@ -6,12 +6,12 @@ use crate::render::gpu::constants::VERTICES_PER_TRIANGLE;
 use crate::render::gpu::passes::ScreenPass;
 use crate::render::gpu::passes::geometry::{
     ATTRIBUTE, NO_DEPTH, OPAQUE, REGULAR, SURFACE_ATTRIBUTE, SURFACE_NO_DEPTH, SURFACE_OPAQUE, SURFACE_REGULAR,
-    VISIBILITY,
+    VISIBILITY, VISIBILITY_SQUARE,
 };
 use crate::render::gpu::passes::screen::{DEPTH_VIEW, RESOLVE};
 use crate::render::gpu::residency::RecordSource;
 use crate::render::gpu::wgsl::shader_file;
-use crate::scene::{Primitive, ScenePacket, SplatGeometry, Splatting};
+use crate::scene::{Primitive, ScenePacket, SplatGeometry, Splatting, VisibilityShape};
 
 /// One quad in the plane of the surfel, with a disk.
 pub(super) const DISK: Amplification = Amplification {
@@ -28,6 +28,7 @@ pub(super) const DISK: Amplification = Amplification {
     compute_amplifies: true,
     passes: &[
         &VISIBILITY,
+        &VISIBILITY_SQUARE,
         &ATTRIBUTE,
         &REGULAR,
         &NO_DEPTH,
@@ -103,12 +104,18 @@ pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
         Splatting::NoDepth | Splatting::Sorted => (&[&NO_DEPTH], None),
         Splatting::Opaque if is_deferred => (&[&SURFACE_OPAQUE], Some(&RESOLVE)),
         Splatting::Opaque => (&[&OPAQUE], None),
-        Splatting::Visibility => (&[&VISIBILITY], Some(&DEPTH_VIEW)),
-        Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged if is_deferred => {
-            (&[&VISIBILITY, &SURFACE_ATTRIBUTE], Some(&RESOLVE))
-        }
+        Splatting::Visibility => match style.visibility_shape() {
+            VisibilityShape::Disk => (&[&VISIBILITY], Some(&DEPTH_VIEW)),
+            VisibilityShape::Square => (&[&VISIBILITY_SQUARE], Some(&DEPTH_VIEW)),
+        },
         Splatting::TwoPass | Splatting::Enlarged | Splatting::TwoPassEnlarged => {
-            (&[&VISIBILITY, &ATTRIBUTE], Some(&RESOLVE))
+            let passes: Passes = match (style.visibility_shape(), is_deferred) {
+                (VisibilityShape::Disk, false) => &[&VISIBILITY, &ATTRIBUTE],
+                (VisibilityShape::Disk, true) => &[&VISIBILITY, &SURFACE_ATTRIBUTE],
+                (VisibilityShape::Square, false) => &[&VISIBILITY_SQUARE, &ATTRIBUTE],
+                (VisibilityShape::Square, true) => &[&VISIBILITY_SQUARE, &SURFACE_ATTRIBUTE],
+            };
+            (passes, Some(&RESOLVE))
         }
     };
     let points = packet.content.points().map(RecordSource::of);

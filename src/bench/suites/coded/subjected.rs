@@ -1,0 +1,26 @@
+//! The frame that is measured, and the settings that it is drawn with.
+
+use crate::bench::subject::Subject;
+use crate::levels::octree::{CodedCloud, Octree};
+use crate::scene::{Footprint, Lighting, RendererChoice, Style};
+use crate::sequence::PreparedFrame;
+use std::sync::Arc;
+
+/// Byte codes are drawn by the CPU alone.
+pub(super) fn style() -> Style {
+    Style::default().with(|style| {
+        style.drawing.renderer = RendererChoice::Cpu;
+        style.light.lighting = Lighting::PerSurfel;
+        style.codes.footprint = Footprint::Masks;
+    })
+}
+
+/// A frame whose byte code is measured.
+pub(super) struct Subjected<'a> {
+    pub(super) subject: &'a Subject<'a>,
+    /// Name in the rows: of the frame if several are measured.
+    pub(super) name: String,
+    pub(super) frame: PreparedFrame,
+    pub(super) octree: Arc<Octree>,
+    pub(super) cloud: Arc<CodedCloud>,
+}
