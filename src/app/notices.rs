@@ -194,6 +194,7 @@ mod tests {
         let mut notices = Notices::default();
         notices.error("Frame 1 of 1 is skipped. /a/f_0.ply is empty");
         notices.error("Frame 11 of 12 is skipped. /a/f_10.ply is empty");
+        notices.error("Frame 1 of 12,345 is skipped. /a/f_0.ply is empty");
         notices.dismiss_begun("Frame 1 of ", " is skipped.");
         assert_eq!(notices.list().len(), 1);
         assert!(notices.list()[0].text.starts_with("Frame 11"), "{:?}", notices.list());
