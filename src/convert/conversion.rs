@@ -2,7 +2,7 @@
 
 use super::edit::Edit;
 use super::error::ConvertError;
-use super::rate_control::RateGoal;
+use super::rate_goal::RateGoal;
 use crate::cloud::RawCloud;
 use crate::io::{Losses, WriteFormat};
 use crate::reel::ReelOptions;

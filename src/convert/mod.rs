@@ -23,6 +23,7 @@ mod merging;
 mod names;
 mod place;
 mod rate_control;
+mod rate_goal;
 mod record;
 mod reel;
 
@@ -33,7 +34,8 @@ pub use estimate::{Estimate, EstimatedErrors, OtherWay, SampleEstimate, SampleFr
 pub use join::{Joined, join, parts_of};
 pub use merging::MergePrice;
 pub use place::{Place, SourceFiles, source_at};
-pub use rate_control::{ChosenRate, RateGoal};
+pub use rate_control::ChosenRate;
+pub use rate_goal::RateGoal;
 pub use record::Record;
 
 use self::frame::write_frame;

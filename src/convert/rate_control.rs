@@ -8,6 +8,7 @@
 use super::edit::Edit;
 use super::error::ConvertError;
 use super::estimate::{SampleFrame, Target};
+use super::rate_goal::RateGoal;
 use crate::messages::counted;
 use crate::progress::Progress;
 use crate::reel::{Precision, ReelOptions};
@@ -16,8 +17,8 @@ use crate::sequence::Sequence;
 /// Frames that the precision is chosen by.
 const FRAMES: usize = 3;
 
-/// Finest and coarsest precision, as powers of two of the extent of the cloud. A stray point may be far away, so the
-/// finest is that of f64.
+/// Finest and coarsest precision, as powers of two of the extent of the cloud. Outliers may be far away, so the finest is
+/// that of f64.
 const FINEST_LOG2: f64 = -52.0;
 const COARSEST_LOG2: f64 = -2.0;
 
@@ -29,16 +30,6 @@ const FILLED_SHARE: f64 = 0.98;
 
 /// Evaluations of an error.
 const ERROR_STEPS: usize = 4;
-
-/// Requested size or error of a sequence file, instead of a precision.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum RateGoal {
-    /// At most this many bytes for all frames, with the smallest error.
-    Bytes(u64),
-    /// At most this root mean square distance of a point from its original, in the unit of the file, with the smallest
-    /// size.
-    RmsError(f64),
-}
 
 /// A precision that was chosen for a goal, and its estimates.
 #[derive(Debug, Clone, PartialEq)]

@@ -10,8 +10,8 @@
 //! so its cells are up to twice as large as those of its own cube, and images change when the same cloud is moved or
 //! scaled (`docs/notebook/errors.md`).
 //!
-//! **When it loses.** A frame slightly larger than the first has a cube two or four times as large: one or two more of the
-//! 21 levels are nearly empty.
+//! **When it loses.** A frame slightly larger than the first has a cube two or four times as large: one or two more of
+//! the 21 levels are nearly empty.
 
 use super::{Aabb, Cube};
 use glam::DVec3;

@@ -9,8 +9,8 @@
 //! **Cells.** The cube around the frame that decides the origin is one cell of the lattice ([`Lattice`]).
 //!
 //! **By some points.** Of a large frame some points are shown before all are read: they decide the origin then. The
-//! grid's step and the centre match those of all points, or are so near that f32 from there keep the same precision. The
-//! cells wait for all points, which have another cube around them.
+//! grid's step and the centre match those of all points, or are so near that f32 from there keep the same precision.
+//! The cells wait for all points, which have another cube around them.
 //!
 //! **Alongside another sequence** its origin is used if that preserves enough: the same coordinates of two files are
 //! then the same f32, and equal clouds have no distance. Its cells are used with it.
