@@ -17,8 +17,8 @@ use crate::sequence::Sequence;
 /// Frames that the precision is chosen by.
 const FRAMES: usize = 3;
 
-/// Finest and coarsest precision, as powers of two of the extent of the cloud. Outliers may be far away, so the finest is
-/// that of f64.
+/// Finest and coarsest precision, as powers of two of the extent of the cloud. Outliers may be far away, so the finest
+/// is that of f64.
 const FINEST_LOG2: f64 = -52.0;
 const COARSEST_LOG2: f64 = -2.0;
 

@@ -513,8 +513,8 @@ fn bench_names_its_suites() {
     assert_eq!(output.status.code(), Some(2));
     assert!(
         stderr(&output).contains(
-            "expected surfels, octree, voxels, accuracy, render, play, window, error, temporal, lod, primitives, coded, \
-             reel, rate, rgbd, vdts or stability"
+            "expected surfels, octree, voxels, accuracy, render, play, window, error, temporal, lod, primitives, \
+             coded, reel, rate, rgbd, vdts or stability"
         ),
         "{}",
         stderr(&output)
