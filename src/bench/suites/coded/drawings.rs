@@ -1,7 +1,7 @@
 //! Points and splats per second, drawn from the byte code, and from records.
 
 use super::columns::{DRAWING, row};
-use super::subjected::{Subjected, style};
+use super::subjected::{Subjected, drawn_records, style};
 use crate::bench::report::{Cell, Row};
 use crate::bench::run::Run;
 use crate::bench::runner::Runner;
@@ -82,7 +82,7 @@ pub(super) fn rows(run: &mut Run<'_>, processor: &mut Runner, of: &Subjected<'_>
                     let time_ms = processor.draw(packet)?.wall_ms;
                     if round >= run.options.warmup {
                         samples.times_ms.push(time_ms);
-                        samples.records.push(processor.stats().drawn_instances as f64);
+                        samples.records.push(drawn_records(processor, packet));
                     }
                 }
             }

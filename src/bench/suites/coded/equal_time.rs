@@ -4,7 +4,7 @@
 //! drawn, and compared with their image.
 
 use super::columns::{EQUAL_TIME, row};
-use super::subjected::{Subjected, style};
+use super::subjected::{Subjected, drawn_records, style};
 use crate::bench::report::{Cell, Row};
 use crate::bench::run::Run;
 use crate::bench::runner::Runner;
@@ -80,7 +80,7 @@ fn timed(
     }
     Ok(Timed {
         ms: Quantiles::of(&times_ms).map_or(f64::INFINITY, |times| times.median),
-        records: processor.stats().drawn_instances as f64,
+        records: drawn_records(processor, &packet),
         image,
     })
 }

@@ -1,8 +1,9 @@
 //! The frame that is measured, and the settings that it is drawn with.
 
+use crate::bench::runner::Runner;
 use crate::bench::subject::Subject;
 use crate::levels::octree::{CodedCloud, Octree};
-use crate::scene::{Footprint, Lighting, RendererChoice, Style};
+use crate::scene::{Footprint, Lighting, RendererChoice, ScenePacket, Style};
 use crate::sequence::PreparedFrame;
 use std::sync::Arc;
 
@@ -23,4 +24,14 @@ pub(super) struct Subjected<'a> {
     pub(super) frame: PreparedFrame,
     pub(super) octree: Arc<Octree>,
     pub(super) cloud: Arc<CodedCloud>,
+}
+
+/// Nodes of a byte code that were drawn in the last image; of other content all records, each of which may have been
+/// drawn in several tiles.
+pub(super) fn drawn_records(processor: &Runner, packet: &ScenePacket) -> f64 {
+    if packet.content.coded().is_some() {
+        processor.stats().drawn_instances as f64
+    } else {
+        packet.content.record_count() as f64
+    }
 }
