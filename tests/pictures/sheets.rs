@@ -105,8 +105,8 @@ fn sheets_within_the_depth_offset_are_blended() {
 /// The 4D media paper, Fig. 3e: corners of squares hide what is behind them, although they are not drawn.
 #[test]
 fn corners_of_squares_hide_what_is_behind_them_on_request() {
-    // A red disk before a green one that fills the image.
-    let (positions, radii) = (vec![[0.0, 0.0, 0.5], [0.0; 3]], vec![0.5, 8.0]);
+    // A red disk, and a green one that fills the image farther behind than the depth offset.
+    let (positions, radii) = (vec![[0.0, 0.0, 0.5], [0.0, 0.0, -0.5]], vec![0.5, 8.0]);
     let colors = vec![[255, 0, 0, 255], [0, 255, 0, 255]];
     // Pixels of the background for each pixel of the red disk.
     let hidden = |change: &dyn Fn(&mut Style)| {
