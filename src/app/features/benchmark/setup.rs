@@ -92,7 +92,10 @@ pub(super) fn setup_ui(
                 extent(ui, setup, frame_count);
             });
             ui.separator();
-            ui.add(Label::new(RichText::new(format!("Measured: {}.", setup.suite.measured)).weak()).wrap());
+            ui.collapsing("What is measured", |ui| {
+                let text = format!("Measured: {}. Not: {}.", setup.suite.measured, setup.suite.not_measured);
+                ui.add(Label::new(RichText::new(text).weak()).wrap());
+            });
             ui.horizontal(|ui| {
                 let start = ui.add_enabled(lack.is_none(), Button::new("Start"));
                 let tooltip = "Measures the open sequence; playing is paused meanwhile";
