@@ -205,7 +205,8 @@ impl Sequence {
     /// Zero unless the coordinates are large against the extent of the cloud; decided by the first frame that can be
     /// read and has a finite point. The first call decodes that frame, and caches it for the next load.
     pub fn origin(&self) -> DVec3 {
-        self.space().origin
+        // Some points may have decided it: nobody waits for the others then.
+        self.space.known_origin().unwrap_or_else(|| self.space().origin)
     }
 
     /// The space of the frames: see [`Sequence::origin`]. Its cells are those of the cube around the frame that decides

@@ -134,6 +134,11 @@ impl SpaceFinder {
         })
     }
 
+    /// The origin, if it is decided.
+    pub(super) fn known_origin(&self) -> Option<DVec3> {
+        self.origin.get().copied()
+    }
+
     /// Sets what is not decided yet.
     fn keep(&self, space: Space) -> Space {
         Space {

@@ -136,6 +136,8 @@ fn of_version_6() -> Preferences {
             style.surfels.normals = NormalSource::Neighbours;
             style.surfels.shown = SurfelColors::Points;
             style.surfels.depth_offset = 1.0;
+            style.surfels.visibility_shape = VisibilityShape::Disk;
+            style.codes.block_nodes = 48.0;
             style.voxels.light = VoxelLight::Normals;
             style.light.rig = Choice::Auto;
             style.light.metallic = 0.0;
@@ -224,6 +226,7 @@ fn of_versions() -> [(&'static str, Preferences); 7] {
                 one_color: [9, 8, 7],
             };
             style.points = of_version_6().settings.points;
+            style.codes = of_version_6().settings.codes;
             style.drawing = of_version_6().settings.drawing;
             style.photos = PhotoStyle::default();
             style.estimation = EstimationStyle::default();

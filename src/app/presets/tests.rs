@@ -76,7 +76,8 @@ fn of_version_1() -> Settings {
             footprint: Footprint::Masks,
             normal_bits: NormalBits::Fifteen,
             offset_bits: OffsetBits::Two,
-            block_nodes: 96.0,
+            // As is this one.
+            block_nodes: 48.0,
         },
         light: LightSettings {
             lighting: Lighting::PerVertex.into(),

@@ -108,7 +108,7 @@ mod tests {
         assert_eq!(
             error.to_string(),
             "`disks` is not a suite: expected surfels, octree, voxels, accuracy, render, play, window, error, \
-             temporal, lod, primitives, reel, rate, rgbd, vdts or stability"
+             temporal, lod, primitives, coded, reel, rate, rgbd, vdts or stability"
         );
     }
 
