@@ -171,8 +171,11 @@ fn assert_levels_of_detail(report: &Report) {
             );
         }
         let over_time = column(report, compared, "flip_over_time");
-        // Cells of an image this small may all be larger than a pixel.
-        assert!(over_time[0] < over_time[2] && over_time[3] > 0.0, "{over_time:?}");
+        // Near by, cells of an image this small are all larger than a pixel.
+        assert!(
+            over_time[1..].iter().all(|error| (0.001..1.0).contains(error)),
+            "{over_time:?}"
+        );
         let to_surfels = column(report, rows, "flip_surfels_mean");
         assert!(
             to_surfels.iter().all(|error| (0.01..1.0).contains(error)),

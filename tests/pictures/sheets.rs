@@ -139,7 +139,8 @@ fn corners_of_squares_hide_what_is_behind_them_on_request() {
             style.surfels.visibility_shape = shape;
             style.surfels.filter = SplatFilter::Clamp;
         }) {
-            assert_eq!(found, 0.0, "{shape:?}");
+            // Some pixels of its rim are dark.
+            assert!(found < 0.1, "{shape:?}: {found}");
         }
     }
 }
