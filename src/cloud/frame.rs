@@ -363,9 +363,19 @@ impl Frame {
         }
     }
 
-    /// Returns the doublings from the cube of the sequence's first frame to this one's: levels of one number are cells
-    /// of the same size if they are counted from there.
-    pub(crate) fn levels_above_first(&self) -> i32 {
+    /// The level of its own octree whose cells have the size of a level of the first frame's: settings count levels from
+    /// there, so that one number means one size in all frames.
+    pub(crate) fn own_level(&self, level_of_first: u32) -> u32 {
+        level_of_first.saturating_add_signed(self.levels_above_first())
+    }
+
+    /// The inverse of [`Frame::own_level`].
+    pub(crate) fn level_of_first(&self, own_level: u32) -> u32 {
+        own_level.saturating_add_signed(-self.levels_above_first())
+    }
+
+    /// Doublings from the cube of the sequence's first frame to this one's.
+    fn levels_above_first(&self) -> i32 {
         self.lattice.map_or(0, |lattice| lattice.level_of(&self.cube))
     }
 

@@ -453,6 +453,11 @@ impl EstimatedErrors {
     }
 }
 
+/// A size in words.
+pub(super) fn megabytes(bytes: f64) -> String {
+    format!("{:.2} MB", bytes / 1e6)
+}
+
 /// Bytes of the files with some frames of a sequence; `None` if unknown.
 pub fn source_bytes(sequence: &Sequence, frames: &RangeInclusive<usize>) -> Option<u64> {
     if let Some(reel) = sequence.source().reel() {

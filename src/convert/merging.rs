@@ -5,7 +5,7 @@
 
 use super::conversion::{Conversion, Output};
 use super::error::ConvertError;
-use super::estimate::SampleFrame;
+use super::estimate::{SampleFrame, megabytes};
 use crate::messages::{counted, grouped};
 use crate::reel::{Precision, ReelOptions};
 use crate::sequence::Sequence;
@@ -65,7 +65,6 @@ impl MergePrice {
 impl fmt::Display for MergePrice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let merged = (self.points - self.left).max(0.0);
-        let megabytes = |bytes: f64| format!("{:.2} MB", bytes / 1e6);
         write!(
             f,
             "merges {} of {} points per frame ({:.0} %): about {} instead of {} for {}, by frame {}",

@@ -7,7 +7,7 @@
 
 use super::edit::Edit;
 use super::error::ConvertError;
-use super::estimate::{SampleFrame, Target};
+use super::estimate::{SampleFrame, Target, megabytes};
 use super::rate_goal::RateGoal;
 use crate::messages::counted;
 use crate::progress::Progress;
@@ -128,10 +128,6 @@ pub(super) fn excess_note(goal: RateGoal, bytes: u64) -> Option<String> {
             megabytes(bytes as f64)
         )
     })
-}
-
-fn megabytes(bytes: f64) -> String {
-    format!("{:.2} MB", bytes / 1e6)
 }
 
 /// Frames that are encoded with one precision after another.

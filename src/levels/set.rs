@@ -238,9 +238,7 @@ impl CloudRecords<'_> {
     /// so that one number means cells of one size in all frames.
     fn in_its_cube(&self, stop: StopCriterion) -> StopCriterion {
         match stop {
-            StopCriterion::Depth(depth) => {
-                StopCriterion::Depth(depth.saturating_add_signed(self.frame.levels_above_first()))
-            }
+            StopCriterion::Depth(depth) => StopCriterion::Depth(self.frame.own_level(depth)),
             StopCriterion::Spacing | StopCriterion::Loss(_) | StopCriterion::PointsPerOctant(_) => stop,
         }
     }

@@ -130,7 +130,7 @@ struct Wanted<'a> {
 fn lod_of(style: &Style, frame: &PreparedFrame) -> Lod {
     match style.levels.lod {
         Lod::Level(level) if style.levels_kind().is_some_and(LevelsKind::needs_octree) => {
-            Lod::Level(level.saturating_add_signed(frame.frame.levels_above_first()))
+            Lod::Level(frame.frame.own_level(level))
         }
         lod => lod,
     }

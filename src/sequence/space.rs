@@ -442,7 +442,7 @@ mod tests {
         });
         let leaves_at_rest = |index: usize| {
             let frame = sequence.frame(index).unwrap();
-            let depth = 5u32.saturating_add_signed(frame.levels_above_first());
+            let depth = frame.own_level(5);
             let colors = vec![[0; 4]; frame.len()];
             let tree = Octree::build_in(frame.cube(), frame.positions(), &colors, StopCriterion::Depth(depth));
             let leaves = tree.level_voxels(depth).into_iter().map(|voxel| voxel.center);

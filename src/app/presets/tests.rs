@@ -76,7 +76,7 @@ fn of_version_1() -> Settings {
             footprint: Footprint::Masks,
             normal_bits: NormalBits::Fifteen,
             offset_bits: OffsetBits::Two,
-            // As is this one.
+            // The file predates this setting.
             block_nodes: 48.0,
         },
         light: LightSettings {

@@ -41,7 +41,6 @@ pub(in crate::app) use reading::PictureStage;
 pub use shared::Shared;
 pub use stored::Stored;
 
-use crate::messages::grouped;
 use main_picture::MainPicture;
 
 use crate::app::appearance::Appearance;
@@ -54,6 +53,7 @@ use crate::app::work::tasks::Wake;
 use crate::cloud::LengthUnit;
 use crate::document::{Document, History};
 use crate::math::Aabb;
+use crate::messages::grouped;
 use crate::playback::{Player, PlayerChange};
 use crate::scene::{Camera, SceneStats, ScreenStats, Settings};
 use crate::timeline::Clock;

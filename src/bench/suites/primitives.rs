@@ -11,7 +11,7 @@
 //! do, in naga's intermediate representation, next to the instruction counts of the paper.
 
 use super::pass_samples::PassSamples;
-use super::torus_mesh::torus_mesh;
+use super::torus_mesh::with_mesh;
 use super::turning::{VIEWS, cameras};
 use crate::bench::BenchError;
 use crate::bench::report::{Cell, Column, Row};
@@ -21,15 +21,13 @@ use crate::bench::statistics::mean;
 use crate::bench::subject::Subject;
 use crate::bench::suite::{Defaults, OptionGroup, Suite};
 use crate::levels::Lod;
-use crate::progress::Progress;
 use crate::render::AnyRenderer;
 use crate::render::gpu::complexity::{PassComplexity, StageComplexity, passes_of};
 use crate::scene::{
     Lighting, PointLight, PointShape, PointSizing, Primitive, Scene, ScenePacket, SplatFilter, SplatGeometry,
     Splatting, Style,
 };
-use crate::sequence::{Needs, Paint, PreparedFrame, PreparedMesh, Shape};
-use std::sync::Arc;
+use crate::sequence::{Needs, PreparedFrame};
 
 /// Names of the tables.
 const SPEED: &str = "speed";
@@ -242,17 +240,6 @@ fn measure_sequence(run: &mut Run<'_>, processor: &mut Runner, subject: &Subject
         passes.into_iter().map(move |pass| complexity_row(primitive, &pass))
     };
     Ok(complexities.into_iter().flat_map(of_primitive).collect())
-}
-
-/// The frame with the triangles of its file; a torus with a mesh of the same number of vertices.
-fn with_mesh(subject: &Subject<'_>, index: usize, mut frame: PreparedFrame) -> PreparedFrame {
-    let mesh = match subject.shape {
-        Some(Shape::Torus) => torus_mesh(frame.points.len()).ok(),
-        _ => subject.sequence.load_mesh(index, &Progress::default()).ok(),
-    };
-    let mesh = mesh.filter(|mesh| !mesh.triangles().is_empty());
-    frame.mesh = mesh.map(|mesh| PreparedMesh::new(Arc::new(mesh), &Paint::File));
-    frame
 }
 
 /// Returns the needs of all primitives.

@@ -1,13 +1,28 @@
-//! The torus of [`Shape::Torus`] as a triangle mesh, drawn for comparison with its points.
+//! The triangles that points are compared with: those of a file, and a mesh of the torus of [`Shape::Torus`].
 
+use crate::bench::subject::Subject;
 use crate::cloud::{CloudError, Mesh, Positions, RawCloud};
+use crate::progress::Progress;
+use crate::sequence::{Paint, PreparedFrame, PreparedMesh};
 use crate::source::Shape;
 use glam::{DVec3, Vec3};
 use std::f32::consts::TAU;
+use std::sync::Arc;
+
+/// The frame with the triangles of its file; a torus with a mesh of the same number of vertices.
+pub(super) fn with_mesh(subject: &Subject<'_>, index: usize, mut frame: PreparedFrame) -> PreparedFrame {
+    let mesh = match subject.shape {
+        Some(Shape::Torus) => torus_mesh(frame.points.len()).ok(),
+        _ => subject.sequence.load_mesh(index, &Progress::default()).ok(),
+    };
+    let mesh = mesh.filter(|mesh| !mesh.triangles().is_empty());
+    frame.mesh = mesh.map(|mesh| PreparedMesh::new(Arc::new(mesh), &Paint::File));
+    frame
+}
 
 /// A closed grid of about this many vertices, with twice that number of triangles, about as long as wide, in the
 /// colours of the shape.
-pub(super) fn torus_mesh(vertices: usize) -> Result<Mesh, CloudError> {
+fn torus_mesh(vertices: usize) -> Result<Mesh, CloudError> {
     let tube = Shape::TUBE;
     let around_tube = ((vertices as f32 * tube).sqrt().round() as u32).max(3);
     let around = (vertices as u32 / around_tube).max(3);

@@ -75,13 +75,9 @@ impl Step for TrailsStep {
             .iter()
             .map(|look| self.tube(look, composed.pose.index, radius));
         let tubes: Vec<Ghost> = tubes.collect::<Result<_, _>>()?;
-        // Tubes have enough points to make a loss criterion divide the frame's cells as well. Levels of a criterion are
-        // counted from the first frame's cube.
-        let above_first = frame.frame.levels_above_first();
-        let depth = frame
-            .levels
-            .octree()
-            .map(|octree| octree.depth().saturating_add_signed(-above_first));
+        // Tubes have enough points to make a loss criterion divide the frame's cells as well.
+        let octree = frame.levels.octree();
+        let depth = octree.map(|octree| frame.frame.level_of_first(octree.depth()));
         let levels = self.needs.levels.zip(depth).map(|(levels, depth)| LevelsKey {
             stop: StopCriterion::Depth(depth),
             ..levels

@@ -62,8 +62,7 @@ impl State {
 }
 
 fn suite_of(name: &str) -> Result<&'static Suite, String> {
-    let suite = suites::all().find(|suite| suite.name() == name);
-    suite.ok_or_else(|| format!("unknown benchmark {name}"))
+    suites::named(name).map_err(|_| format!("unknown benchmark {name}"))
 }
 
 fn why_not_run(state: &State) -> Result<(), &'static str> {

@@ -155,7 +155,6 @@ impl Estimates {
             self.before = Estimate::of(&self.judged).or(self.before.take());
         } else {
             self.before = None;
-            self.cached.clear();
         }
         if self
             .question

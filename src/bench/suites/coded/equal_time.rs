@@ -48,8 +48,7 @@ pub(super) fn rows(run: &Run<'_>, processor: &mut Runner, of: &Subjected<'_>) ->
         for level in (0..=of.cloud.depth()).rev() {
             let style = style().with(|style| {
                 style.codes.footprint = footprint;
-                // Levels are counted from the first frame's cube.
-                style.levels.lod = Lod::Level(level.saturating_add_signed(-of.frame.frame.levels_above_first()));
+                style.levels.lod = Lod::Level(of.frame.frame.level_of_first(level));
             });
             let drawn = timed(run, processor, of, &camera, &style)?;
             if drawn.ms <= mesh.ms || level == 0 {

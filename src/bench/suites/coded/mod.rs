@@ -20,12 +20,12 @@ use crate::bench::run::Run;
 use crate::bench::runner::Runner;
 use crate::bench::subject::Subject;
 use crate::bench::suite::{Defaults, Suite};
+use crate::bench::suites::torus_mesh::with_mesh;
 use crate::levels::octree::StopCriterion;
 use crate::levels::{LevelsKey, LevelsKind};
-use crate::progress::Progress;
 use crate::render::AnyRenderer;
 use crate::scene::Scene;
-use crate::sequence::{Needs, Paint, PreparedFrame, PreparedMesh, Shape};
+use crate::sequence::Needs;
 use std::sync::Arc;
 use subjected::{Subjected, style};
 
@@ -61,7 +61,7 @@ pub const CODED: &Suite = &Suite {
 /// One step to prepare a frame, one each for the tables.
 const STEPS_PER_FRAME: usize = 5;
 
-/// The frame with its byte code, and with triangles: those of its file, or those of a shape.
+/// The frame with its byte code.
 fn needs() -> Needs {
     Needs {
         levels: Some(LevelsKey {
@@ -119,15 +119,4 @@ fn measure_sequence(run: &mut Run<'_>, processor: &mut Runner, subject: &Subject
     Run::check_measured(subject, &point_counts, first_failure)?;
     run.finish(subject, &point_counts, &[], rows);
     Ok(())
-}
-
-/// The frame with the triangles of its file; a torus with a mesh of the same number of vertices.
-fn with_mesh(subject: &Subject<'_>, index: usize, mut frame: PreparedFrame) -> PreparedFrame {
-    let mesh = match subject.shape {
-        Some(Shape::Torus) => super::torus_mesh::torus_mesh(frame.points.len()).ok(),
-        _ => subject.sequence.load_mesh(index, &Progress::default()).ok(),
-    };
-    let mesh = mesh.filter(|mesh| !mesh.triangles().is_empty());
-    frame.mesh = mesh.map(|mesh| PreparedMesh::new(Arc::new(mesh), &Paint::File));
-    frame
 }

@@ -13,6 +13,7 @@
 
 use super::CodedCloud;
 use crate::levels::octree::Octree;
+use crate::levels::octree::stop::Leaves;
 use crate::math::Cube;
 use crate::math::morton::LEVELS;
 use glam::Vec3;
@@ -54,17 +55,15 @@ impl DepthFirstCode {
     /// # Panics
     /// Precondition: all leaves on one level.
     pub fn of(tree: &Octree) -> Self {
-        assert!(
-            matches!(tree.leaves, crate::levels::octree::stop::Leaves::OnLevel(_)),
-            "leaves on one level"
-        );
+        assert!(matches!(tree.leaves, Leaves::OnLevel(_)), "leaves on one level");
         let depth = tree.depth();
         let mut masks = Vec::with_capacity(tree.node_count() - tree.leaf_count());
         // The bytes of the nodes that the last point is in, by level.
         let mut open = [0; LEVELS as usize + 1];
         let points = tree.points.cells.iter().zip(&tree.points.partings);
-        for (index, (cell, &parting)) in points.enumerate() {
-            let first_new = if index == 0 { 0 } else { u32::from(parting) };
+        for (cell, &parting) in points {
+            // The first level on which this point is in another node than the one before it; the root's for the first.
+            let first_new = u32::from(parting);
             if first_new > depth {
                 continue;
             }
