@@ -2,7 +2,9 @@
 
 use super::error::ReelError;
 use super::file::{Directory, FrameRecord, SectionRecord, StreamRecord};
-use super::frame::{CodedSection, Followed, GroupPlan, Run, Schema, encode_inter, encode_pose, follows, prepare};
+use super::frame::{
+    CodedSection, Followed, GroupPlan, Run, Schema, choose_parent_colors, encode_inter, encode_pose, follows, prepare,
+};
 use super::options::{Precision, ReelOptions};
 use crate::analysis::{FileSurface, SurfaceOptions};
 use crate::cloud::RawCloud;
@@ -57,7 +59,8 @@ pub fn encode_group(frames: &[NewFrame<'_>], options: &ReelOptions) -> Result<En
     let clouds = frames.par_iter().map(|frame| with_normals(frame, options));
     let clouds: Vec<Cow<'_, RawCloud>> = clouds.collect::<Result<_, _>>()?;
     let clouds: Vec<&RawCloud> = clouds.iter().map(AsRef::as_ref).collect();
-    let plan = GroupPlan::new(&clouds, options);
+    let mut plan = GroupPlan::new(&clouds, options);
+    choose_parent_colors(&mut plan, &clouds);
     let runs = runs_of(&plan, &clouds, options);
     let coded: Vec<Vec<CodedFrame>> = runs
         .into_par_iter()

@@ -5,7 +5,7 @@ use super::part::FilePart;
 use crate::reel::error::Fault;
 
 /// Versions with another first number cannot be read; a higher second one adds only skippable data.
-pub(in crate::reel) const VERSION: [u16; 2] = [3, 2];
+pub(in crate::reel) const VERSION: [u16; 2] = [3, 3];
 
 /// Bytes before the first chunk.
 pub(in crate::reel) const MAGIC_AND_VERSION_BYTES: usize = 12;

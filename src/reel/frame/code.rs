@@ -28,6 +28,17 @@ pub(in crate::reel) fn encode_pose(schema: &Schema, grid: &Grid, pose: &mut Pose
     sections
 }
 
+/// Returns the number of bytes that the colours of a pose take, of a schema with no other attribute.
+pub(super) fn color_bytes(schema: &Schema, pose: &mut Pose) -> usize {
+    let counts: Vec<usize> = pose.levels.iter().map(|level| level.cells.len()).collect();
+    let ranges = sections_of(&counts);
+    let sizes = Sizes {
+        counts: &counts,
+        ranges: &ranges,
+    };
+    streams::color_bytes(schema, pose, sizes)
+}
+
 /// A pose from its first sections. With the fast coding, the values of fine levels are there if `keeps_levels`, and
 /// else those of the last one as [`Pose::flat`].
 pub(in crate::reel) fn decode_pose(wanted: &Wanted<'_>, sections: &[CodedSection]) -> Result<Pose, Fault> {

@@ -4,6 +4,7 @@ use super::floats::Lattice;
 use super::schema::{Retained, ScalarSchema, Schema, Values};
 use crate::cloud::{Positions, RawCloud};
 use crate::reel::options::{Coding, Precision, ReelOptions};
+use crate::reel::parent_level::ParentValue;
 use glam::Vec3;
 
 /// The schema of a cloud of a group; scalars of a group share their steps.
@@ -35,6 +36,7 @@ pub(super) fn schema(
     Schema {
         coding: options.coding,
         is_flat: options.coding == Coding::Fast,
+        color_of_parents: ParentValue::Mean,
         is_double: matches!(cloud.positions, Positions::F64(_)),
         retained,
         has_cell_bits: options.precision == Precision::PointSpacing,

@@ -4,6 +4,7 @@ use super::floats::{Floats, Lattice};
 use crate::reel::error::Fault;
 use crate::reel::file::{ByteReader, ByteWriter};
 use crate::reel::options::Coding;
+use crate::reel::parent_level::ParentValue;
 
 /// Kind of data in a stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -153,6 +154,8 @@ pub(in crate::reel) struct Schema {
     pub(in crate::reel) has_order: bool,
     /// An odd step of colours, or 0 without any.
     pub(in crate::reel) color_step: u8,
+    /// Colours of nodes that have children, or several points.
+    pub(in crate::reel) color_of_parents: ParentValue,
     pub(in crate::reel) has_alpha: bool,
     /// 13, 15 or 17, or 0 without any.
     pub(in crate::reel) normal_bits: u8,
@@ -182,6 +185,7 @@ impl Schema {
             self.lattice.is_some(),
             self.is_flat,
             self.has_cell_bits,
+            self.color_of_parents == ParentValue::FirstChild,
         ];
         let bits = flags
             .iter()
@@ -211,7 +215,7 @@ impl Schema {
 
     pub(in crate::reel) fn read(reader: &mut ByteReader<'_>) -> Result<Self, Fault> {
         let bits = reader.number()?;
-        if bits >= 1 << 13 {
+        if bits >= 1 << 14 {
             return Err(Fault::new(format!(
                 "attributes of kinds that only a later version of pointreel knows ({bits:#b}): update it"
             )));
@@ -228,6 +232,11 @@ impl Schema {
             return Err(Fault::new(format!(
                 "colours in steps of {color_step}, normals of {normal_bits} bits and offsets of {offset_bits} bits"
             )));
+        }
+        if flag(11) && flag(13) {
+            return Err(Fault::new(
+                "colours predicted from parents alone that are those of first children",
+            ));
         }
         let lattice = flag(10).then(|| Lattice::read(reader)).transpose()?;
         let mut scalars = Vec::new();
@@ -255,6 +264,11 @@ impl Schema {
             lattice,
             has_order: flag(1),
             color_step,
+            color_of_parents: if flag(13) {
+                ParentValue::FirstChild
+            } else {
+                ParentValue::Mean
+            },
             has_alpha: flag(2),
             normal_bits,
             has_exact_normals: flag(3),

@@ -167,6 +167,16 @@ pub(super) fn encode(schema: &Schema, grid: &Grid, pose: &mut Pose, sizes: Sizes
     streams
 }
 
+/// Returns the number of bytes that the colours of a pose take, of a schema with no other attribute.
+pub(super) fn color_bytes(schema: &Schema, pose: &mut Pose, sizes: Sizes<'_>) -> usize {
+    let direction = Encoding {
+        parts: symbol_parts(schema),
+    };
+    // An encoder never fails.
+    let coded = code_values(&direction, 0, schema, pose, sizes).unwrap_or_default();
+    coded.iter().flatten().map(Vec::len).sum()
+}
+
 /// Reads a pose allocated for these sections.
 pub(super) fn decode(
     wanted: &Wanted<'_>,

@@ -1,5 +1,5 @@
 //! Attributes as codes: of points, of the leaves that they are in, and of the nodes above, each the mean of the codes
-//! below.
+//! below, or of colours the first.
 
 use super::StreamKind;
 use super::grid::Grid;
@@ -8,6 +8,7 @@ use super::schema::{Retained, Schema};
 use crate::cloud::{RawCloud, coarser_normal, quantise_normal};
 use crate::math::morton;
 use crate::reel::attributes::{MISSING, NormalGrid, offset_of};
+use crate::reel::parent_level::ParentValue;
 use glam::{DVec3, Vec3};
 use std::ops::Range;
 
@@ -132,13 +133,18 @@ impl<'a> PointValues<'a> {
         if let Some(colors) = &attributes.colors {
             let color = |range: &Range<usize>| {
                 let mut sums = [0u32; 3];
-                for &point in &order[range.clone()] {
+                let points = match (self.schema.color_of_parents, self.schema.retained) {
+                    // Merged points are drawn, so they have the mean.
+                    (ParentValue::Mean, _) | (_, Retained::Merged) => range.clone(),
+                    (ParentValue::FirstChild, _) => range.start..range.start + 1,
+                };
+                for &point in &order[points.clone()] {
                     let [red, green, blue, _] = colors[point as usize];
                     for (sum, channel) in sums.iter_mut().zip([green, red, blue]) {
                         *sum += u32::from(channel);
                     }
                 }
-                sums.map(|sum| mean(sum, range.len() as u32))
+                sums.map(|sum| mean(sum, points.len() as u32))
             };
             summaries.colors = ranges.iter().map(color).collect();
         }
@@ -238,10 +244,13 @@ impl Summaries {
         self.singles[single] = codes;
     }
 
-    /// The means of the nodes above.
+    /// The values of the nodes above.
     pub(super) fn above(&self, schema: &Schema, masks: &[u8]) -> Self {
         let ranges = children(masks);
         let color = |range: &Range<usize>| {
+            if schema.color_of_parents == ParentValue::FirstChild {
+                return self.colors[range.start];
+            }
             let sum = |channel: usize| {
                 self.colors[range.clone()]
                     .iter()

@@ -6,7 +6,9 @@ use super::schema::Schema;
 use super::sections::Sizes;
 use crate::reel::attributes::NormalGrid;
 use crate::reel::error::Fault;
-use crate::reel::parent_level::{Above, Families, code_channels, code_normals, code_offsets};
+use crate::reel::parent_level::{
+    Above, ChannelCoding, Families, ParentValue, code_channels, code_normals, code_offsets,
+};
 use crate::reel::tree::{Faces, NO_FACES, faces_below, first_children};
 use fearless_simd::{Level as SimdLevel, dispatch};
 
@@ -120,14 +122,23 @@ pub(super) fn code_values<D: Direction>(
     let (channels, shapes) = rayon::join(
         || {
             let colors = (has_colors > 0).then(|| {
-                let step = u16::from(schema.color_step);
+                let coding = ChannelCoding {
+                    step: u16::from(schema.color_step),
+                    max: 255,
+                    parent_value: schema.color_of_parents,
+                };
                 let part = Part::open(direction, first_part)?;
-                code_all_channels(part, &places, &[[128; 3]], colors, step, 255)
+                code_all_channels(part, &places, &[[128; 3]], colors, coding)
             });
             let singles = singles.into_iter().enumerate().map(|(single, values)| {
                 let max = schema.max_code(single);
+                let coding = ChannelCoding {
+                    step: 1,
+                    max,
+                    parent_value: ParentValue::Mean,
+                };
                 let part = Part::open(direction, of_singles + single)?;
-                code_all_channels(part, &places, &[[max / 2]], values, 1, max)
+                code_all_channels(part, &places, &[[max / 2]], values, coding)
             });
             let singles = singles.collect::<Result<Vec<_>, Fault>>()?;
             Ok((colors.transpose()?, singles))
@@ -150,14 +161,13 @@ fn code_all_channels<'a, D: Direction, const N: usize>(
     places: &[Place<'_>],
     root: &'a [[u16; N]],
     levels: Vec<&'a mut [[u16; N]]>,
-    step: u16,
-    max: u16,
+    coding: ChannelCoding,
 ) -> Result<Written, Fault> {
     let mut parents = root;
     for (place, values) in places.iter().zip(levels) {
         let coder = part.at(place.section)?;
         let above = place.above;
-        dispatch!(SimdLevel::new(), _simd => code_channels(coder, above, parents, values, step, max));
+        dispatch!(SimdLevel::new(), _simd => code_channels(coder, above, parents, values, coding));
         parents = if values.is_empty() { parents } else { values };
     }
     part.close()

@@ -12,7 +12,7 @@
 //! With a step of 2 e + 1 no value is wrong by more than e, on any level, since everything is predicted from values as
 //! a decoder has them.
 
-use super::families::{Above, Families, Family, across, across_bits, of_counts, of_masks};
+use super::families::{Above, Families, Family, ParentValue, across, across_bits, of_counts, of_masks};
 use super::lanes::Lanes;
 use super::steps;
 use crate::reel::coder::SymbolCoder;
@@ -58,17 +58,25 @@ const fn shares() -> [i64; MAX_LEFT + 1] {
 /// this.
 const MAX_OWED: i32 = 1 << 30;
 
+/// Properties of the values of all levels.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::reel) struct ChannelCoding {
+    /// Odd; no value is wrong by more than half of it.
+    pub(in crate::reel) step: u16,
+    /// Maximum value; 255 where there are three channels.
+    pub(in crate::reel) max: u16,
+    pub(in crate::reel) parent_value: ParentValue,
+}
+
 /// Codes the values of a level, and leaves them as a decoder has them. The decoded values of the level above are
-/// `parents`. Values are at most `max`, 255 where there are three channels; none is wrong by more than half of `step`,
-/// which is odd.
+/// `parents`.
 #[inline(always)]
 pub(in crate::reel) fn code_channels<C: SymbolCoder, const N: usize>(
     coder: &mut C,
     above: Above<'_>,
     parents: &[[u16; N]],
     values: &mut [[u16; N]],
-    step: u16,
-    max: u16,
+    coding: ChannelCoding,
 ) {
     let level = Level {
         faces: above.faces,
@@ -76,13 +84,20 @@ pub(in crate::reel) fn code_channels<C: SymbolCoder, const N: usize>(
             .iter()
             .map(|&parent| Lanes::<N>::pack(parent))
             .collect::<Vec<u64>>(),
-        step: i32::from(step),
-        max: i32::from(max),
+        step: i32::from(coding.step),
+        max: i32::from(coding.max),
+        parent_value: coding.parent_value,
     };
     match above.families {
         Families::Masks(masks) => level.code(coder, of_masks(masks), values),
         Families::Counts(counts, outside) => level.code(coder, of_counts(counts, outside), values),
     }
+}
+
+/// The channels of a word.
+#[inline(always)]
+fn lanes<const N: usize>(word: u64) -> [i32; N] {
+    std::array::from_fn(|channel| Lanes::<N>::get(word, channel))
 }
 
 /// State of a level known before it is coded.
@@ -92,6 +107,7 @@ struct Level<'a, const N: usize> {
     parents: &'a [u64],
     step: i32,
     max: i32,
+    parent_value: ParentValue,
 }
 
 impl<const N: usize> Level<'_, N> {
@@ -122,11 +138,14 @@ impl<const N: usize> Level<'_, N> {
                 break;
             };
             if family.is_clear() {
-                children.fill(std::array::from_fn(|channel| Lanes::<N>::get(parent, channel) as u16));
+                children.fill(lanes(parent).map(|channel: i32| channel as u16));
                 continue;
             }
+            let known = family.known(self.parent_value).min(count);
+            let (first, children) = children.split_at_mut(known);
+            first.fill(lanes(parent).map(|channel: i32| channel as u16));
             let of_family;
-            (of_family, told) = told.split_at_mut(count.min(told.len()));
+            (of_family, told) = told.split_at_mut(children.len().min(told.len()));
             if family.mask == 0 {
                 let parent = if family.is_outside { last_outside } else { parent };
                 self.code_points(&mut own, parent, children, of_family);
@@ -160,7 +179,10 @@ impl<const N: usize> Level<'_, N> {
                     near.push(of_parent);
                 }
                 contexts.extend(std::iter::repeat_n(class, family.count - 1));
-                contexts.push(LAST + class);
+                // The mean leaves hardly anything to the last child, the first child does not.
+                if self.parent_value == ParentValue::Mean {
+                    contexts.push(LAST + class);
+                }
             }
         }
         (contexts, near)
@@ -206,6 +228,9 @@ impl<const N: usize> Level<'_, N> {
             value & u64::from(is_near).wrapping_neg()
         });
         let mut octants = family.mask;
+        if family.known(self.parent_value) > 0 {
+            octants &= octants - 1;
+        }
         let between = std::iter::from_fn(|| {
             let octant = octants.trailing_zeros() as usize;
             octants &= octants.wrapping_sub(1);
@@ -215,11 +240,10 @@ impl<const N: usize> Level<'_, N> {
             let count = (u32::from(near) & across_bits(octant)).count_ones() as usize;
             Some((2 * parent + a + b + c) * WEIGHTS[count])
         });
-        let lanes = |word| std::array::from_fn(|channel| Lanes::<N>::get(word, channel));
         // Only in these cases. Distributed elsewhere, the rounding errors of values add up: 5.5 instead of 2.5 bits per
         // point for the colours of the torus (steps of 5). Not distributed at edges either, the walking man's took 7.2
         // instead of 6.7.
-        if self.is_exact() || near & EDGE != 0 {
+        if self.parent_value == ParentValue::Mean && (self.is_exact() || near & EDGE != 0) {
             let mut all = [[0; N]; 8];
             let mut owed = lanes(parent).map(|own: i32| PARTS * own * family.count as i32);
             for (of_child, word) in all.iter_mut().zip(between).take(children.len()) {
@@ -238,7 +262,7 @@ impl<const N: usize> Level<'_, N> {
     #[inline(always)]
     fn code_points<C: SymbolCoder>(&self, coder: &mut C, parent: u64, points: &mut [[u16; N]], symbols: &mut [u8]) {
         let between = std::array::from_fn(|channel| PARTS * Lanes::<N>::get(parent, channel));
-        if self.is_exact() {
+        if self.parent_value == ParentValue::Mean && self.is_exact() {
             self.tell_exactly(coder, points, symbols, std::iter::repeat(between), [0; N]);
             return;
         }

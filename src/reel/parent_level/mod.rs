@@ -18,7 +18,7 @@ mod offsets;
 mod steps;
 mod steps_to;
 
-pub(super) use channels::{CHANNEL_CONTEXTS, code_channels};
-pub(super) use families::{Above, Families};
+pub(super) use channels::{CHANNEL_CONTEXTS, ChannelCoding, code_channels};
+pub(super) use families::{Above, Families, ParentValue};
 pub(super) use normals::{NORMAL_CONTEXTS, code_normals};
 pub(super) use offsets::{OFFSET_CONTEXTS, code_offsets};

@@ -161,3 +161,22 @@ pub(super) fn surface(count: usize, time: f32) -> RawCloud {
     cloud.attributes.normals = Some(normals);
     cloud
 }
+
+/// A bent surface in patches of four plain colours.
+pub(super) fn patchwork(count: usize, time: f32) -> RawCloud {
+    const PLAIN: [[u8; 4]; 4] = [
+        [250, 250, 250, 255],
+        [10, 20, 30, 255],
+        [200, 40, 90, 255],
+        [30, 160, 60, 255],
+    ];
+    let mut cloud = surface(count, time);
+    let side = (count as f32).sqrt() as usize;
+    let patch = |index: usize| [index % side, index / side].map(|along| 11 * along / side);
+    let color = |index: usize| {
+        let [x, y] = patch(index);
+        PLAIN[(7 * x + 3 * y + x * y) % 4]
+    };
+    cloud.attributes.colors = Some((0..cloud.positions.len()).map(color).collect());
+    cloud
+}

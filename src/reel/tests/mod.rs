@@ -5,6 +5,7 @@ mod codings;
 mod damage;
 mod inter;
 mod mutations;
+mod parent_colors;
 mod round_trip;
 mod spacing;
 mod vector;

@@ -1,6 +1,6 @@
 //! Files that a stranger has made: bytes changed at will, and every checksum right again.
 
-use super::clouds::{PATH, file_of, surface};
+use super::clouds::{PATH, file_of, patchwork, surface};
 use crate::analysis::test_shapes::Random;
 use crate::cloud::RawCloud;
 use crate::progress::Progress;
@@ -80,22 +80,26 @@ fn decode_all(bytes: Vec<u8>) -> usize {
 
 #[test]
 fn mutated_files_with_valid_checksums_are_rejected_or_drawn() {
-    let frames: Vec<RawCloud> = (0..3).map(|frame| surface(400, 0.05 * frame as f32)).collect();
+    let frames = |cloud: &dyn Fn(f32) -> RawCloud| [0.0, 0.05, 0.1].map(cloud);
+    let of_surface = |options: ReelOptions| (frames(&|time| surface(400, time)), options, 150);
+    let fast = ReelOptions {
+        coding: Coding::Fast,
+        ..ReelOptions::default()
+    };
     let mut random = Random(7);
     let mut decoded = 0;
-    for options in [
-        ReelOptions::default(),
-        ReelOptions::merged(),
-        ReelOptions::lossless(),
-        ReelOptions {
-            coding: Coding::Fast,
-            ..ReelOptions::default()
-        },
+    for (frames, options, mutations) in [
+        of_surface(ReelOptions::default()),
+        of_surface(ReelOptions::merged()),
+        of_surface(ReelOptions::lossless()),
+        of_surface(fast),
+        // Large enough for colours of first children.
+        (frames(&|time| patchwork(10_000, time)), ReelOptions::default(), 30),
     ] {
         let whole = file_of(&frames, &options);
         let chunks = chunks(&whole);
         assert_eq!(decode_all(whole.clone()), 3);
-        for _ in 0..150 {
+        for _ in 0..mutations {
             let mut bytes = whole.clone();
             // Mostly in the metadata: that determines allocations.
             let (header, contents) = &chunks[random.next_bits() as usize % chunks.len()];

@@ -1,0 +1,98 @@
+//! Colours of nodes that have children: means, or those of first children.
+
+use super::clouds::{decoded, file_of, open, patchwork, surface};
+use crate::cloud::RawCloud;
+use crate::reel::encode::{NewFrame, encode_group};
+use crate::reel::parent_level::ParentValue;
+use crate::reel::{Coding, Precision, ReelOptions};
+use std::collections::HashSet;
+
+const COUNT: usize = 40_000;
+
+/// Options of compact files, each with another kind of points.
+fn kinds(color_error: u8) -> [ReelOptions; 4] {
+    let of = |options: ReelOptions| ReelOptions { color_error, ..options };
+    let voxels = ReelOptions {
+        precision: Precision::Bits(9),
+        ..ReelOptions::default()
+    };
+    [
+        ReelOptions::default(),
+        ReelOptions::merged(),
+        ReelOptions::lossless(),
+        voxels,
+    ]
+    .map(of)
+}
+
+fn chosen(cloud: &RawCloud, options: &ReelOptions) -> ParentValue {
+    let frame = NewFrame {
+        cloud,
+        name: "frame",
+        time: None,
+    };
+    let group = encode_group(&[frame], options).unwrap();
+    group.directory.schemas[0].color_of_parents
+}
+
+#[test]
+fn edges_are_coded_by_first_children_and_slopes_by_means() {
+    for options in kinds(2) {
+        assert_eq!(
+            chosen(&patchwork(COUNT, 0.0), &options),
+            ParentValue::FirstChild,
+            "{options:?}"
+        );
+        assert_eq!(chosen(&surface(COUNT, 0.0), &options), ParentValue::Mean, "{options:?}");
+        let fast = ReelOptions {
+            coding: Coding::Fast,
+            ..options
+        };
+        assert_eq!(chosen(&patchwork(COUNT, 0.0), &fast), ParentValue::Mean);
+    }
+    // A few points are not worth coarse levels that look worse.
+    assert_eq!(chosen(&patchwork(400, 0.0), &ReelOptions::default()), ParentValue::Mean);
+}
+
+#[test]
+fn coarse_levels_have_colors_of_points() {
+    let cloud = patchwork(COUNT, 0.0);
+    let plain: HashSet<[u8; 4]> = cloud.attributes.colors.iter().flatten().copied().collect();
+    for error in [0, 2, 9] {
+        // Merged points have means.
+        let [points, _, lossless, _] = kinds(error);
+        for options in [points, lossless] {
+            let bytes = file_of(std::slice::from_ref(&cloud), &options);
+            let levels = open(&bytes).unwrap().frame(0).unwrap().level_points.to_vec();
+            for max_points in levels {
+                let found = decoded(&bytes, 0, max_points).cloud.attributes.colors.unwrap();
+                let off = |color: &[u8; 4], other: &[u8; 4]| {
+                    let channels = color.iter().zip(other);
+                    channels.map(|(a, b)| a.abs_diff(*b)).max().unwrap()
+                };
+                let is_near = |color: &[u8; 4]| plain.iter().any(|other| off(color, other) <= error);
+                assert!(found.iter().all(is_near), "{options:?}, {max_points} points");
+            }
+        }
+    }
+}
+
+#[test]
+fn colors_are_within_their_bound() {
+    // In the order of the file, from frame to frame, so that the second is encoded relative to the first.
+    let clouds = [0.0, 0.02].map(|time| patchwork(COUNT, time));
+    for (exact, rounded) in kinds(0).into_iter().zip(kinds(3)) {
+        let [exact, rounded] = [exact, rounded].map(|options| file_of(&clouds, &options));
+        for frame in 0..2 {
+            let levels = open(&exact).unwrap().frame(frame).unwrap().level_points.to_vec();
+            for max_points in levels {
+                let [exact, rounded] =
+                    [&exact, &rounded].map(|bytes| decoded(bytes, frame, max_points).cloud.attributes.colors.unwrap());
+                assert_eq!(exact.len(), rounded.len());
+                let off = exact.iter().flatten().zip(rounded.iter().flatten());
+                let max = off.map(|(a, b)| a.abs_diff(*b)).max().unwrap();
+                assert!(max <= 3, "frame {frame}, {max_points} points: {max}");
+            }
+        }
+    }
+}
