@@ -69,8 +69,14 @@ fn large_frames_of_both_codings_match_on_every_level() {
             [&options, &fast(&options)].map(|options| decoder(&file_of(std::slice::from_ref(&cloud), options)));
         let levels = compact.file().frame(0).unwrap().level_points.to_vec();
         for max in levels {
-            let [compact, fast] =
-                [&mut compact, &mut fast].map(|decoder| decoder.decode(0, max, &Progress::default()).unwrap().cloud);
+            let [compact, fast] = [&mut compact, &mut fast].map(|decoder| {
+                let mut frame = decoder.decode(0, max, &Progress::default()).unwrap();
+                if !frame.is_whole {
+                    // Those of the fast coding are means, those of the compact one may be colours of points.
+                    frame.cloud.attributes.colors = None;
+                }
+                frame.cloud
+            });
             assert!(compact == fast, "{precision:?}, {max} points");
         }
     }
