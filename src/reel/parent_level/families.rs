@@ -2,8 +2,8 @@
 
 use crate::reel::tree::{Faces, NO_FACES};
 
-/// Child counts of the nodes of the level above, one after the other; then nodes without siblings whose parent is not a
-/// mean of them, such as the root, and points outside all cells.
+/// Child counts of the nodes of the level above, one after the other; then nodes without siblings whose parent does not
+/// determine them, such as the root, and points outside all cells.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::reel) enum Families<'a> {
     /// Families by the masks of the parents.
@@ -26,7 +26,7 @@ pub(in crate::reel) enum ParentValue {
     /// Their mean: coarse levels look like blurred fine ones.
     Mean,
     /// The value of the first of them, which is then not coded: edges are not blurred into values that nothing below
-    /// has. Colours of the walking man take 3.4 instead of 5.1 bits, those of a smooth surface more than means.
+    /// has. Colours of the walking man take 4.0 instead of 5.1 bits, those of a smooth surface more than means.
     FirstChild,
 }
 
@@ -37,7 +37,7 @@ pub(super) struct Family {
     pub(super) count: usize,
     /// Their octants; none of points.
     pub(super) mask: u8,
-    /// The parent is not their mean.
+    /// The parent does not determine them.
     pub(super) is_outside: bool,
 }
 
