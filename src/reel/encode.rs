@@ -154,7 +154,7 @@ fn encode_run(plan: &GroupPlan, clouds: &[&RawCloud], run: Range<usize>) -> Vec<
         let points = pose.points.as_ref();
         let frame = CodedFrame {
             is_inter: false,
-            counts: pose.levels.iter().map(|level| level.cells.len()).collect(),
+            counts: pose.counts(),
             points: points.map_or([0; 2], |points| [points.below.len(), points.outside.len()]),
             sections,
         };

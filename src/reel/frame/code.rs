@@ -10,7 +10,7 @@ use crate::reel::error::Fault;
 
 /// The frame as sections; the pose becomes the decoder's result.
 pub(in crate::reel) fn encode_pose(schema: &Schema, grid: &Grid, pose: &mut Pose) -> Vec<CodedSection> {
-    let counts: Vec<usize> = pose.levels.iter().map(|level| level.cells.len()).collect();
+    let counts = pose.counts();
     let ranges = sections_of(&counts);
     let mut sections = blank_sections(&ranges, pose.points.is_some());
     let sizes = Sizes {
@@ -30,7 +30,7 @@ pub(in crate::reel) fn encode_pose(schema: &Schema, grid: &Grid, pose: &mut Pose
 
 /// Returns the number of bytes that the colours of a pose take, of a schema with no other attribute.
 pub(super) fn color_bytes(schema: &Schema, pose: &mut Pose) -> usize {
-    let counts: Vec<usize> = pose.levels.iter().map(|level| level.cells.len()).collect();
+    let counts = pose.counts();
     let ranges = sections_of(&counts);
     let sizes = Sizes {
         counts: &counts,

@@ -76,6 +76,11 @@ pub(in crate::reel) struct Pose {
 }
 
 impl Pose {
+    /// Nodes of each level.
+    pub(in crate::reel) fn counts(&self) -> Vec<usize> {
+        self.levels.iter().map(|level| level.cells.len()).collect()
+    }
+
     /// Leaves the first levels alone.
     pub(in crate::reel) fn truncate(&mut self, levels: usize) {
         if levels < self.levels.len() {

@@ -3,11 +3,11 @@
 //!
 //! How it works: a child lies towards three faces of its parent. Its value is expected between the parent's, which
 //! counts twice, and those of the nodes behind these faces, unless they differ so much that there must be an edge
-//! between. Where values are exact, or there is an edge, the mean of the family is the parent: the remainder is shared
-//! by the children that are left, so hardly anything is left to code for the last one. (Elsewhere the rounding errors
-//! would add up there: twice the bits for a smooth surface.) Later channels (green, red, blue) are predicted with the
-//! errors of those before, as colours change in brightness more than in hue. Interpolated values are in 60ths: the
-//! shares of two to five values are whole numbers.
+//! between. Where parents are means, and values are exact or there is an edge, the remainder is shared by the children
+//! that are left, so hardly anything is left to code for the last one. (Elsewhere the rounding errors would add up
+//! there: twice the bits for a smooth surface.) Where parents have the values of their first children, these are known.
+//! Later channels (green, red, blue) are predicted with the errors of those before, as colours change in brightness
+//! more than in hue. Interpolated values are in 60ths: the shares of two to five values are whole numbers.
 //!
 //! With a step of 2 e + 1 no value is wrong by more than e, on any level, since everything is predicted from values as
 //! a decoder has them.
@@ -243,7 +243,7 @@ impl<const N: usize> Level<'_, N> {
         // Only in these cases. Distributed elsewhere, the rounding errors of values add up: 5.5 instead of 2.5 bits per
         // point for the colours of the torus (steps of 5). Not distributed at edges either, the walking man's took 7.2
         // instead of 6.7.
-        if self.parent_value == ParentValue::Mean && (self.is_exact() || near & EDGE != 0) {
+        if self.shares_remainder(near & EDGE != 0) {
             let mut all = [[0; N]; 8];
             let mut owed = lanes(parent).map(|own: i32| PARTS * own * family.count as i32);
             for (of_child, word) in all.iter_mut().zip(between).take(children.len()) {
@@ -262,7 +262,7 @@ impl<const N: usize> Level<'_, N> {
     #[inline(always)]
     fn code_points<C: SymbolCoder>(&self, coder: &mut C, parent: u64, points: &mut [[u16; N]], symbols: &mut [u8]) {
         let between = std::array::from_fn(|channel| PARTS * Lanes::<N>::get(parent, channel));
-        if self.parent_value == ParentValue::Mean && self.is_exact() {
+        if self.shares_remainder(false) {
             self.tell_exactly(coder, points, symbols, std::iter::repeat(between), [0; N]);
             return;
         }
@@ -271,10 +271,11 @@ impl<const N: usize> Level<'_, N> {
         }
     }
 
-    /// Returns true if the error of a parent carries information about its children, i.e. coding is lossless.
+    /// Returns true if the error of a parent carries information about its children: it is their mean, and coding is
+    /// lossless or there is an edge.
     #[inline(always)]
-    fn is_exact(&self) -> bool {
-        self.step == 1
+    fn shares_remainder(&self, is_edge: bool) -> bool {
+        self.parent_value == ParentValue::Mean && (self.step == 1 || is_edge)
     }
 
     /// Codes a family with the expected values `between`, each with its share of the remainder.

@@ -26,7 +26,7 @@ pub(in crate::reel) enum ParentValue {
     /// Their mean: coarse levels look like blurred fine ones.
     Mean,
     /// The value of the first of them, which is then not coded: edges are not blurred into values that nothing below
-    /// has. Colours of the walking man take 4.0 instead of 5.1 bits, those of a smooth surface more than means.
+    /// has. Colours of the walking man take 4.0 instead of 5.1 bits.
     FirstChild,
 }
 

@@ -1,6 +1,6 @@
 //! Values that are predicted from the level above alone.
 //!
-//! How it works: the mean of a parent is known, and so are the means of the nodes across its faces. Between them a
+//! How it works: the value of a parent is known, and so are those of the nodes across its faces. Between them a
 //! child is interpolated ([`channels`], [`normals`]); how much they differ bounds the expected error, which chooses the
 //! table of a symbol. Reading the symbols of a level needs nothing else of that level, so these are read in one go, all
 //! three channels of a colour or both axes of a normal as one symbol, with raw bits in addition. The sum that a parent
