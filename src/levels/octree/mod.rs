@@ -1,7 +1,9 @@
 //! The sparse voxel octree of the 4D media paper §VI: built from sorted Morton codes, traversed into the set of visible
 //! voxels.
 //!
-//! # A tree without nodes in memory The points of any cell of any level are a contiguous range in Morton order. A cell
+//! # A tree without nodes in memory
+//!
+//! The points of any cell of any level are a contiguous range in Morton order. A cell
 //! begins with every point that *parts* from the one before it on that level or above; one byte per point, its parting
 //! level, thus determines where the nodes of all levels begin and end. So nothing is stored for a node: it is a level
 //! and a range of points, its children are found by looking over the bytes of that range (eight in one word, see
@@ -12,7 +14,9 @@
 //! reads just the bytes of the points that it draws, in order. An explicit tree of nodes took, in comparison, a third
 //! of the building time, and twice the memory, for the same speed of traversal.
 //!
-//! # Counting nodes The column *nodes* of the paper's Table III counts internal nodes only: at δ = 50 % it is smaller
+//! # Counting nodes
+//!
+//! The column *nodes* of the paper's Table III counts internal nodes only: at δ = 50 % it is smaller
 //! than the column *leaves*, and from one depth to the next it grows by exactly the leaves of the shallower tree
 //! (baseball: 47,638 + 59,523 = 107,161). That is [`Octree::internal_count`], and the number of bytes of
 //! [`Octree::masks`]; [`Octree::node_count`] adds the leaves.

@@ -1,6 +1,7 @@
 //! Choice of the colours of nodes that have children, by the bytes that both take.
 
 use super::code::color_bytes;
+use super::inter::follows;
 use super::prepare::{GroupPlan, prepare};
 use super::schema::{Schema, Values};
 use crate::cloud::RawCloud;
@@ -17,6 +18,17 @@ pub(in crate::reel) fn choose_parent_colors(plan: &mut GroupPlan, clouds: &[&Raw
     let Some(frame) = plan.schemas.iter().position(has_choice) else {
         return;
     };
+    // Changes of moved frames are predicted as if those of parents were means.
+    let changes = |pair: &[usize; 2]| {
+        let [before, now] = pair.map(|index| &clouds[index].attributes.colors);
+        before != now && follows(plan, clouds, pair[0], pair[1])
+    };
+    if (1..clouds.len())
+        .map(|index| [index - 1, index])
+        .any(|pair| changes(&pair))
+    {
+        return;
+    }
     let own = plan.schemas[frame].clone();
     let mut bytes = |color_of_parents| {
         plan.schemas[frame] = Schema {

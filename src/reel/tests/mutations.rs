@@ -1,10 +1,12 @@
 //! Files that a stranger has made: bytes changed at will, and every checksum right again.
 
 use super::clouds::{PATH, file_of, patchwork, surface};
+use super::parent_colors::chosen;
 use crate::analysis::test_shapes::Random;
 use crate::cloud::RawCloud;
 use crate::progress::Progress;
 use crate::reel::file::{CHUNK_HEADER_BYTES, ChunkHeader, ChunkKind, Directory, MAGIC_AND_VERSION_BYTES};
+use crate::reel::parent_level::ParentValue;
 use crate::reel::{Coding, ReelDecoder, ReelFile, ReelOptions};
 use std::ops::Range;
 use std::path::Path;
@@ -81,22 +83,31 @@ fn decode_all(bytes: Vec<u8>) -> usize {
 #[test]
 fn mutated_files_with_valid_checksums_are_rejected_or_drawn() {
     let frames = |cloud: &dyn Fn(f32) -> RawCloud| [0.0, 0.05, 0.1].map(cloud);
-    let of_surface = |options: ReelOptions| (frames(&|time| surface(400, time)), options, 150);
+    let of_surface = |options: ReelOptions| {
+        let frames = frames(&|time| surface(400, time));
+        (frames, options, 150, ParentValue::Mean)
+    };
     let fast = ReelOptions {
         coding: Coding::Fast,
         ..ReelOptions::default()
     };
     let mut random = Random(7);
     let mut decoded = 0;
-    for (frames, options, mutations) in [
+    for (frames, options, mutations, expected_colors) in [
         of_surface(ReelOptions::default()),
         of_surface(ReelOptions::merged()),
         of_surface(ReelOptions::lossless()),
         of_surface(fast),
         // Large enough for colours of first children.
-        (frames(&|time| patchwork(10_000, time)), ReelOptions::default(), 30),
+        (
+            frames(&|time| patchwork(10_000, time)),
+            ReelOptions::default(),
+            30,
+            ParentValue::FirstChild,
+        ),
     ] {
         let whole = file_of(&frames, &options);
+        assert_eq!(chosen(&frames, &options), expected_colors);
         let chunks = chunks(&whole);
         assert_eq!(decode_all(whole.clone()), 3);
         for _ in 0..mutations {

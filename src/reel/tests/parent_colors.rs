@@ -25,13 +25,15 @@ fn kinds(color_error: u8) -> [ReelOptions; 4] {
     .map(of)
 }
 
-fn chosen(cloud: &RawCloud, options: &ReelOptions) -> ParentValue {
-    let frame = NewFrame {
+/// The choice for a group of these frames.
+pub(super) fn chosen(clouds: &[RawCloud], options: &ReelOptions) -> ParentValue {
+    let frame = |cloud| NewFrame {
         cloud,
         name: "frame",
         time: None,
     };
-    let group = encode_group(&[frame], options).unwrap();
+    let frames: Vec<NewFrame<'_>> = clouds.iter().map(frame).collect();
+    let group = encode_group(&frames, options).unwrap();
     group.directory.schemas[0].color_of_parents
 }
 
@@ -39,19 +41,39 @@ fn chosen(cloud: &RawCloud, options: &ReelOptions) -> ParentValue {
 fn edges_are_coded_by_first_children_and_slopes_by_means() {
     for options in kinds(2) {
         assert_eq!(
-            chosen(&patchwork(COUNT, 0.0), &options),
+            chosen(&[patchwork(COUNT, 0.0)], &options),
             ParentValue::FirstChild,
             "{options:?}"
         );
-        assert_eq!(chosen(&surface(COUNT, 0.0), &options), ParentValue::Mean, "{options:?}");
+        assert_eq!(
+            chosen(&[surface(COUNT, 0.0)], &options),
+            ParentValue::Mean,
+            "{options:?}"
+        );
         let fast = ReelOptions {
             coding: Coding::Fast,
             ..options
         };
-        assert_eq!(chosen(&patchwork(COUNT, 0.0), &fast), ParentValue::Mean);
+        assert_eq!(chosen(&[patchwork(COUNT, 0.0)], &fast), ParentValue::Mean);
     }
     // A few points are not worth coarse levels that look worse.
-    assert_eq!(chosen(&patchwork(400, 0.0), &ReelOptions::default()), ParentValue::Mean);
+    assert_eq!(
+        chosen(&[patchwork(400, 0.0)], &ReelOptions::default()),
+        ParentValue::Mean
+    );
+}
+
+#[test]
+fn followed_points_that_change_their_colors_have_means() {
+    let clouds = [0.0, 0.02].map(|time| patchwork(COUNT, time));
+    let mut changed = clouds.clone();
+    for color in changed[1].attributes.colors.iter_mut().flatten().step_by(3) {
+        color[0] ^= 64;
+    }
+    for options in [ReelOptions::default(), ReelOptions::merged()] {
+        assert_eq!(chosen(&clouds, &options), ParentValue::FirstChild);
+        assert_eq!(chosen(&changed, &options), ParentValue::Mean);
+    }
 }
 
 #[test]
