@@ -4,7 +4,7 @@
 use super::ranges::{NUMBERS, Ranges};
 use super::slopes::{FLAT, OfParents, Slopes};
 use crate::reel::coder::{Counts, LOG_BITS, SymbolCoder};
-use crate::reel::parent_level::Families;
+use crate::reel::parent_level::{Families, ParentValue};
 use crate::reel::tree::OCTANTS;
 
 /// Entries behind the nodes of a level: the eight children that a node may have are written at once.
@@ -26,6 +26,41 @@ pub(in crate::reel) struct Upwards<'a> {
     pub(in crate::reel) families: Families<'a>,
     /// The masks of the level above the parents; none of the root and of points.
     pub(in crate::reel) masks: &'a [u8],
+    /// The values that parents have.
+    pub(in crate::reel) parent_value: ParentValue,
+}
+
+impl Upwards<'_> {
+    /// Returns true if the first child of each parent has its value.
+    fn knows_first(&self) -> bool {
+        self.parent_value == ParentValue::FirstChild
+    }
+
+    /// Returns the number of coded children of a parent: an only child has the value of its parent.
+    #[inline(always)]
+    fn coded_of(&self, count: usize) -> usize {
+        if count <= 1 {
+            0
+        } else {
+            count - usize::from(self.knows_first())
+        }
+    }
+
+    /// Returns the number of coded nodes of the level.
+    fn coded_nodes(&self) -> usize {
+        match self.families {
+            Families::Masks(masks) => self.coded_of_masks(masks),
+            Families::Counts(counts, outside) => self.coded_of_counts(counts) + outside,
+        }
+    }
+
+    fn coded_of_masks(&self, masks: &[u8]) -> usize {
+        masks.iter().map(|mask| self.coded_of(mask.count_ones() as usize)).sum()
+    }
+
+    fn coded_of_counts(&self, counts: &[u32]) -> usize {
+        counts.iter().map(|&count| self.coded_of(count as usize)).sum()
+    }
 }
 
 /// Coding parameters of a level, written before all nodes.
@@ -47,11 +82,12 @@ pub(super) trait Kind {
     /// Reconstructs a value from its parent, the slope there, and the decoded word.
     fn below(&self, parent: Self::Value, slope: [i16; 4], word: u64) -> Self::Value;
 
-    /// Variant of [`Kind::below`] for eight values; writes the parent if nothing is coded.
+    /// Variant of [`Kind::below`] for eight values, where the first is coded or not, and the others; writes the parent
+    /// where nothing is coded.
     fn eight_below(
         &self,
         parent: Self::Value,
-        is_coded: bool,
+        are_coded: [bool; 2],
         slopes: Option<&Slopes>,
         words: &[u64; 8],
         below: &mut [Self::Value; 8],
@@ -62,22 +98,6 @@ pub(super) trait Kind {
 
     /// The slopes of parents, if there are any of this kind.
     fn slopes<'a>(slopes: &'a mut OfParents<'_>, parents: &[Self::Value]) -> Option<&'a Slopes>;
-}
-
-/// Returns the number of coded children of a parent: an only child has the value of its parent.
-#[inline(always)]
-fn told_of(count: usize) -> usize {
-    if count == 1 { 0 } else { count }
-}
-
-/// Returns the number of coded nodes of a level.
-fn told_of_families(families: Families<'_>) -> usize {
-    match families {
-        Families::Masks(masks) => masks.iter().map(|mask| told_of(mask.count_ones() as usize)).sum(),
-        Families::Counts(counts, outside) => {
-            counts.iter().map(|&count| told_of(count as usize)).sum::<usize>() + outside
-        }
-    }
 }
 
 /// Codes the values of a level, which has [`SLACK`] entries behind them, and leaves them as a decoder has them. The
@@ -93,7 +113,7 @@ pub(super) fn code_level<C: SymbolCoder, K: Kind>(
 ) {
     // A local copy, not a reference: its state stays in registers.
     let mut own = std::mem::take(coder);
-    let scale = if told_of_families(upwards.families) == 0 {
+    let scale = if upwards.coded_nodes() == 0 {
         Scale::default()
     } else if C::DECODES {
         Scale {
@@ -108,14 +128,15 @@ pub(super) fn code_level<C: SymbolCoder, K: Kind>(
     };
     let mut level = Level {
         kind,
+        upwards,
         ranges: kind.ranges(scale.shift),
         scale,
         symbols: Vec::new(),
         words: Vec::new(),
     };
     match upwards.families {
-        Families::Masks(masks) if C::DECODES => level.read(&mut own, masks, upwards.masks, parents, values),
-        Families::Masks(masks) => level.write(&mut own, masks, upwards.masks, parents, values),
+        Families::Masks(masks) if C::DECODES => level.read(&mut own, masks, parents, values),
+        Families::Masks(masks) => level.write(&mut own, masks, parents, values),
         Families::Counts(counts, outside) => level.code_counts(&mut own, counts, outside, parents, values),
     }
     *coder = own;
@@ -157,6 +178,7 @@ type Sample<V> = (V, [i16; 4], V);
 fn samples_of<K: Kind>(upwards: Upwards<'_>, parents: &[K::Value], values: &[K::Value]) -> Vec<Sample<K::Value>> {
     let every = (parents.len() / SAMPLES).max(1);
     let (mut samples, mut next) = (Vec::new(), 0);
+    let skipped = usize::from(upwards.knows_first());
     match upwards.families {
         Families::Masks(masks) => {
             let mut of_parents = OfParents::below(upwards.masks);
@@ -165,7 +187,8 @@ fn samples_of<K: Kind>(upwards: Upwards<'_>, parents: &[K::Value], values: &[K::
                 let count = mask.count_ones() as usize;
                 if count > 1 && place.is_multiple_of(every) {
                     let children = OCTANTS[usize::from(mask)].iter().zip(&values[next..next + count]);
-                    samples.extend(children.map(|(&octant, &value)| (parent, slopes[usize::from(octant & 7)], value)));
+                    let sample = |(&octant, &value): (&u8, &K::Value)| (parent, slopes[usize::from(octant & 7)], value);
+                    samples.extend(children.skip(skipped).map(sample));
                 }
                 next += count;
             }
@@ -174,7 +197,8 @@ fn samples_of<K: Kind>(upwards: Upwards<'_>, parents: &[K::Value], values: &[K::
             for (place, (&count, &parent)) in counts.iter().zip(parents).enumerate() {
                 let children = &values[next..next + count as usize];
                 if children.len() > 1 && place.is_multiple_of(every) {
-                    samples.extend(children.iter().take(SAMPLES).map(|&value| (parent, [0; 4], value)));
+                    let coded = children.iter().skip(skipped).take(SAMPLES);
+                    samples.extend(coded.map(|&value| (parent, [0; 4], value)));
                 }
                 next += children.len();
             }
@@ -186,39 +210,35 @@ fn samples_of<K: Kind>(upwards: Upwards<'_>, parents: &[K::Value], values: &[K::
 /// A level while it is coded.
 struct Level<'a, K> {
     kind: &'a K,
+    upwards: Upwards<'a>,
     ranges: Ranges,
     scale: Scale,
     /// Symbols of a block.
     symbols: Vec<u8>,
+    /// Its words; before them one that is not coded where first children are not, so that the word of a child is at the
+    /// same place from that of the first.
     words: Vec<u64>,
 }
 
 impl<K: Kind> Level<'_, K> {
     /// Reads this number of symbols, and the words of their values.
     #[inline(always)]
-    fn read_words<C: SymbolCoder>(&mut self, coder: &mut C, told: usize) {
-        self.symbols.resize(told, 0);
+    fn read_words<C: SymbolCoder>(&mut self, coder: &mut C, coded: usize) {
+        self.symbols.resize(coded, 0);
         coder.plain(&mut self.symbols);
-        self.words.resize(told + SLACK, 0);
-        for (word, &symbol) in self.words.iter_mut().zip(&self.symbols) {
+        let first = usize::from(self.upwards.knows_first());
+        self.words.resize(first + coded + SLACK, 0);
+        for (word, &symbol) in self.words[first..].iter_mut().zip(&self.symbols) {
             *word = self.ranges.read(coder, symbol);
         }
     }
 
     #[inline(always)]
-    fn read<C: SymbolCoder>(
-        &mut self,
-        coder: &mut C,
-        masks: &[u8],
-        above: &[u8],
-        parents: &[K::Value],
-        values: &mut [K::Value],
-    ) {
-        let mut of_parents = OfParents::below(above);
+    fn read<C: SymbolCoder>(&mut self, coder: &mut C, masks: &[u8], parents: &[K::Value], values: &mut [K::Value]) {
+        let mut of_parents = OfParents::below(self.upwards.masks);
         let mut left = values;
         for (masks, of_block) in masks.chunks(PARENTS).zip(parents.chunks(PARENTS)) {
-            let told = masks.iter().map(|mask| told_of(mask.count_ones() as usize)).sum();
-            self.read_words(coder, told);
+            self.read_words(coder, self.upwards.coded_of_masks(masks));
             let count = if self.scale.has_slopes {
                 self.spread::<true>(&mut of_parents, masks, of_block, parents, left)
             } else {
@@ -238,7 +258,7 @@ impl<K: Kind> Level<'_, K> {
         parents: &[K::Value],
         values: &mut [K::Value],
     ) -> usize {
-        let (mut next, mut told) = (0, 0);
+        let (mut next, mut coded) = (0, 0);
         for (&mask, &parent) in masks.iter().zip(of_block) {
             let slopes = if HAS_SLOPES {
                 K::slopes(of_parents, parents)
@@ -249,28 +269,22 @@ impl<K: Kind> Level<'_, K> {
             let count = mask.count_ones() as usize;
             // Always eight at a time: their number is unpredictable.
             let (Some(words), Some(below)) = (
-                self.words.get(told..).and_then(<[u64]>::first_chunk),
+                self.words.get(coded..).and_then(<[u64]>::first_chunk),
                 values.get_mut(next..).and_then(<[K::Value]>::first_chunk_mut),
             ) else {
                 break;
             };
-            self.kind.eight_below(parent, count > 1, slopes.as_ref(), words, below);
+            let are_coded = [count > 1 && !self.upwards.knows_first(), count > 1];
+            self.kind.eight_below(parent, are_coded, slopes.as_ref(), words, below);
             next += count;
-            told += told_of(count);
+            coded += self.upwards.coded_of(count);
         }
         next
     }
 
     #[inline(always)]
-    fn write<C: SymbolCoder>(
-        &mut self,
-        coder: &mut C,
-        masks: &[u8],
-        above: &[u8],
-        parents: &[K::Value],
-        values: &mut [K::Value],
-    ) {
-        let mut of_parents = OfParents::below(above);
+    fn write<C: SymbolCoder>(&mut self, coder: &mut C, masks: &[u8], parents: &[K::Value], values: &mut [K::Value]) {
+        let mut of_parents = OfParents::below(self.upwards.masks);
         let mut next = 0;
         for (masks, of_block) in masks.chunks(PARENTS).zip(parents.chunks(PARENTS)) {
             self.symbols.clear();
@@ -284,11 +298,9 @@ impl<K: Kind> Level<'_, K> {
                 let count = mask.count_ones() as usize;
                 let children = &mut values[next..next + count];
                 next += count;
-                if let [only] = children {
-                    *only = parent;
-                    continue;
-                }
-                for (child, &octant) in children.iter_mut().zip(&OCTANTS[usize::from(mask)]) {
+                let known = count - self.upwards.coded_of(count);
+                children[..known].fill(parent);
+                for (child, &octant) in children.iter_mut().zip(&OCTANTS[usize::from(mask)]).skip(known) {
                     *child = self.tell(coder, parent, slopes[usize::from(octant & 7)], *child);
                 }
             }
@@ -317,18 +329,15 @@ impl<K: Kind> Level<'_, K> {
     ) {
         let mut left = values;
         for (counts, parents) in counts.chunks(PARENTS).zip(parents.chunks(PARENTS)) {
-            let told = counts.iter().map(|&count| told_of(count as usize)).sum();
-            self.begin(coder, told);
+            self.begin(coder, self.upwards.coded_of_counts(counts));
             let mut place = 0;
             for (&count, &parent) in counts.iter().zip(parents) {
                 let count = (count as usize).min(left.len());
                 let children;
                 (children, left) = left.split_at_mut(count);
-                if let [only] = children {
-                    *only = parent;
-                    continue;
-                }
-                for child in children {
+                let known = count - self.upwards.coded_of(count);
+                children[..known].fill(parent);
+                for child in &mut children[known..] {
                     *child = self.one(coder, place, parent, *child);
                     place += 1;
                 }
@@ -349,16 +358,17 @@ impl<K: Kind> Level<'_, K> {
     }
 
     #[inline(always)]
-    fn begin<C: SymbolCoder>(&mut self, coder: &mut C, told: usize) {
+    fn begin<C: SymbolCoder>(&mut self, coder: &mut C, coded: usize) {
         self.symbols.clear();
         if C::DECODES {
-            self.read_words(coder, told);
+            self.read_words(coder, coded);
         }
     }
 
     #[inline(always)]
     fn one<C: SymbolCoder>(&mut self, coder: &mut C, place: usize, parent: K::Value, value: K::Value) -> K::Value {
         if C::DECODES {
+            let place = place + usize::from(self.upwards.knows_first());
             let word = self.words.get(place).copied().unwrap_or(0);
             return self.kind.below(parent, [0; 4], word);
         }

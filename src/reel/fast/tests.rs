@@ -2,7 +2,7 @@
 
 use super::{NO_NORMAL, SLACK, Upwards, code_colors, code_normals, code_offsets, code_singles};
 use crate::reel::coder::{SymbolCoder, SymbolDecoder, SymbolEncoder};
-use crate::reel::parent_level::Families;
+use crate::reel::parent_level::{Families, ParentValue};
 use proptest::prelude::*;
 
 /// A level below another one.
@@ -14,13 +14,16 @@ struct Tree {
     counts: Vec<u32>,
     outside: usize,
     has_points: bool,
+    parent_value: ParentValue,
 }
 
 fn trees() -> impl Strategy<Value = Tree> {
     let mask = prop_oneof![1u8..=255, (0u32..8).prop_map(|octant| 1 << octant)];
     let below = prop::collection::vec(mask.clone(), 8 * 300);
-    (prop::collection::vec(mask, 1..300), below, any::<bool>(), 0usize..700).prop_map(
-        |(above, mut masks, has_points, outside)| {
+    let parent_value = prop::sample::select(vec![ParentValue::Mean, ParentValue::FirstChild]);
+    let above = prop::collection::vec(mask, 1..300);
+    (above, below, any::<bool>(), 0usize..700, parent_value).prop_map(
+        |(above, mut masks, has_points, outside, parent_value)| {
             masks.truncate(above.iter().map(|mask| mask.count_ones() as usize).sum());
             let counts = masks.iter().map(|&mask| u32::from(mask % 11)).collect();
             Tree {
@@ -28,6 +31,7 @@ fn trees() -> impl Strategy<Value = Tree> {
                 counts,
                 outside,
                 has_points,
+                parent_value,
             }
         },
     )
@@ -46,6 +50,7 @@ impl Tree {
                 Families::Masks(&self.masks[1])
             },
             masks: if self.has_points { &[] } else { &self.masks[0] },
+            parent_value: self.parent_value,
         }
     }
 
@@ -57,14 +62,17 @@ impl Tree {
         }
     }
 
-    /// Each node's parent, and whether it is an only child.
+    /// Each node's parent, and true if it has its value: an only child, or a first one.
     fn owners(&self) -> Vec<(usize, bool)> {
         let counts: Vec<usize> = if self.has_points {
             self.counts.iter().map(|&count| count as usize).collect()
         } else {
             self.masks[1].iter().map(|mask| mask.count_ones() as usize).collect()
         };
-        let owner = |(parent, count): (usize, usize)| std::iter::repeat_n((parent, count == 1), count);
+        let knows_first = self.parent_value == ParentValue::FirstChild;
+        let owner = |(parent, count): (usize, usize)| {
+            (0..count).map(move |child| (parent, count == 1 || knows_first && child == 0))
+        };
         counts.into_iter().enumerate().flat_map(owner).collect()
     }
 }
@@ -218,6 +226,7 @@ fn slopes_are_used_where_they_save_space() {
         counts: Vec::new(),
         outside: 0,
         has_points: false,
+        parent_value: ParentValue::Mean,
     };
     let has_slopes = |change: i32| {
         let color = |along: i32| [along as u8, 200, 9, 255];

@@ -12,7 +12,7 @@ use crate::reel::attributes::{MISSING, NormalGrid};
 use crate::reel::coder::SymbolCoder;
 use crate::reel::error::Fault;
 use crate::reel::fast::{ABOVE_ROOT, NO_NORMAL, SLACK, Upwards, code_colors, code_normals, code_offsets, code_singles};
-use crate::reel::parent_level::Families;
+use crate::reel::parent_level::{Families, ParentValue};
 use fearless_simd::{Level as SimdLevel, dispatch};
 
 /// A level, or the points.
@@ -61,7 +61,7 @@ pub(super) fn code_flat<D: Direction>(
     let of_singles = of_offsets + usize::from(has_offsets);
     let (channels, shapes) = rayon::join(
         || {
-            let code = |colors| code_all_colors(Part::open(direction, first_part)?, places, schema.color_step, colors);
+            let code = |colors| code_all_colors(Part::open(direction, first_part)?, places, schema, colors);
             let of_colors = has_colors.then(|| code(colors)).transpose()?;
             let singles = singles.into_iter().enumerate().map(|(single, values)| {
                 let part = Part::open(direction, of_singles + single)?;
@@ -108,7 +108,11 @@ fn places_of<'a>(pose: &'a mut Pose, sizes: Sizes<'_>) -> (Vec<Place<'a>>, Vec<&
         // The root has no parent.
         let families = parents.map_or(Families::Counts(&[], count.min(1)), Families::Masks);
         places.push(Place {
-            upwards: Upwards { families, masks: above },
+            upwards: Upwards {
+                families,
+                masks: above,
+                parent_value: ParentValue::Mean,
+            },
             count,
             section: sizes.section_of(number),
         });
@@ -121,7 +125,11 @@ fn places_of<'a>(pose: &'a mut Pose, sizes: Sizes<'_>) -> (Vec<Place<'a>>, Vec<&
         let count = points.len();
         let families = Families::Counts(&points.counts, points.outside.len());
         places.push(Place {
-            upwards: Upwards { families, masks: &[] },
+            upwards: Upwards {
+                families,
+                masks: &[],
+                parent_value: ParentValue::Mean,
+            },
             count,
             section: sizes.ranges.len(),
         });
@@ -164,7 +172,7 @@ fn code_all<D: Direction, V: Copy, K: Copy>(
 fn code_all_colors<D: Direction>(
     part: Part<'_, D>,
     places: &[Place<'_>],
-    step: u8,
+    schema: &Schema,
     retained: Vec<&mut [[u16; 3]]>,
 ) -> Result<Coded<[u8; 4]>, Fault> {
     let forms = Forms {
@@ -174,8 +182,13 @@ fn code_all_colors<D: Direction>(
         drawn: |_, [green, red, blue]: [u16; 3]| [red, green, blue, 255].map(|channel| channel as u8),
         bits: 0,
     };
+    let parent_value = schema.color_of_parents;
     code_all(part, places, &forms, retained, |coder, upwards, parents, colors| {
-        dispatch!(SimdLevel::new(), _simd => code_colors(coder, upwards, parents, colors, step));
+        let upwards = Upwards {
+            parent_value,
+            ..upwards
+        };
+        dispatch!(SimdLevel::new(), _simd => code_colors(coder, upwards, parents, colors, schema.color_step));
     })
 }
 

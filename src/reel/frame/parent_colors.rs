@@ -13,8 +13,7 @@ const MIN_SAVED_BYTES: usize = 1 << 10;
 
 /// Chooses for a group, by the first of its frames that has colours.
 pub(in crate::reel) fn choose_parent_colors(plan: &mut GroupPlan, clouds: &[&RawCloud]) {
-    // Colours of the fast coding are predicted from the mean of a family and slopes in it.
-    let has_choice = |schema: &Schema| schema.color_step > 0 && !schema.is_flat;
+    let has_choice = |schema: &Schema| schema.color_step > 0;
     let Some(frame) = plan.schemas.iter().position(has_choice) else {
         return;
     };

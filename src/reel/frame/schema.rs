@@ -233,11 +233,6 @@ impl Schema {
                 "colours in steps of {color_step}, normals of {normal_bits} bits and offsets of {offset_bits} bits"
             )));
         }
-        if flag(11) && flag(13) {
-            return Err(Fault::new(
-                "colours predicted from parents alone that are those of first children",
-            ));
-        }
         let lattice = flag(10).then(|| Lattice::read(reader)).transpose()?;
         let mut scalars = Vec::new();
         for _ in 0..reader.count("scalars")? {

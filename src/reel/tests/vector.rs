@@ -1,7 +1,9 @@
 //! The examples of `docs/reel.md`: stored bytes are read unchanged, and written again as the same bytes.
 
 use super::clouds::{decoded, file_of};
+use super::parent_colors::chosen;
 use crate::cloud::{Positions, RawCloud};
+use crate::reel::parent_level::ParentValue;
 use crate::reel::{Coding, Precision, ReelOptions};
 
 const VECTORS: [(Coding, &[u8]); 2] = [
@@ -69,13 +71,49 @@ fn is_read(bytes: &[u8]) {
 }
 
 /// The contents after the head, which names the version of the program.
+fn group_of(bytes: &[u8]) -> Vec<u8> {
+    let start = bytes.windows(8).position(|at| at == b"\xf1rlcGRUP").unwrap();
+    let end = bytes.windows(8).position(|at| at == b"\xf1rlcINDX").unwrap();
+    bytes[start..end].to_vec()
+}
+
+/// Bytes and CRC of the group of [`patches`]: colours of first children.
+const OF_PATCHES: [(Coding, usize, u32); 2] = [(Coding::Compact, 0, 0), (Coding::Fast, 0, 0)];
+
+/// Voxels of a rough plane in patches of four colours: large enough for colours of first children, and whole numbers,
+/// which are the same on every machine.
+fn patches() -> RawCloud {
+    const SIDE: u32 = 128;
+    let places = (0..SIDE * SIDE).map(|index| [index % SIDE, index / SIDE]);
+    let height = |[x, y]: [u32; 2]| (x * x + 3 * y * y) / 97 % 5;
+    let position = |place: [u32; 2]| [place[0], place[1], height(place)].map(|axis| axis as f32);
+    let color = |[x, y]: [u32; 2]| match (7 * (x / 11) + 3 * (y / 11) + x / 11 * (y / 11)) % 4 {
+        0 => [250, 250, 250, 255],
+        1 => [10, 20, 30, 255],
+        2 => [200, 40, 90, 255],
+        _ => [30, 160, 60, 255],
+    };
+    let mut cloud = RawCloud::from_positions(Positions::F32(places.clone().map(position).collect()));
+    cloud.attributes.colors = Some(places.map(color).collect());
+    cloud
+}
+
+#[test]
+fn colors_of_first_children_keep_their_bytes() {
+    let found = OF_PATCHES.map(|(coding, ..)| {
+        let options = ReelOptions {
+            precision: Precision::Bits(7),
+            ..options(coding)
+        };
+        assert_eq!(chosen(&[patches()], &options), ParentValue::FirstChild);
+        let bytes = group_of(&file_of(&[patches()], &options));
+        (coding, bytes.len(), crc32fast::hash(&bytes))
+    });
+    assert_eq!(found, OF_PATCHES);
+}
+
 #[test]
 fn the_example_files_are_reproduced_byte_for_byte() {
-    let group_of = |bytes: &[u8]| {
-        let start = bytes.windows(8).position(|at| at == b"\xf1rlcGRUP").unwrap();
-        let end = bytes.windows(8).position(|at| at == b"\xf1rlcINDX").unwrap();
-        bytes[start..end].to_vec()
-    };
     for (coding, bytes) in VECTORS {
         assert_eq!(group_of(&file_of(&[cloud()], &options(coding))), group_of(bytes));
     }
