@@ -26,7 +26,7 @@ pub enum Content {
     Voxels(Voxels),
     /// Triangles, and points between them.
     Mesh(Arc<MeshRecords>),
-    /// Surfels as byte code, for the software renderer.
+    /// Surfels as byte code.
     Coded(CodedCells),
 }
 
@@ -118,7 +118,7 @@ impl Content {
 
     /// Returns true if the drawn records have normals and radii, including those that the renderer computes.
     pub fn has_shapes(&self) -> bool {
-        self.shapes().is_some() || matches!(self, Self::Visible(_))
+        self.shapes().is_some() || matches!(self, Self::Visible(_) | Self::Coded(_))
     }
 
     /// Cells of an octree.
@@ -319,8 +319,8 @@ impl PartialEq for CodedCells {
 }
 
 impl CodedCells {
-    /// The nodes of the deepest level that may be drawn.
-    pub(super) fn deepest_nodes(&self) -> usize {
+    /// The nodes of the deepest level that may be drawn: no view shows more.
+    pub fn deepest_nodes(&self) -> usize {
         let level = self.deepest_level.min(self.cloud.depth());
         self.cloud.level(level).len()
     }

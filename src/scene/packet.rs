@@ -1,9 +1,12 @@
 //! Everything that one image needs.
 
-use super::content::Content;
-use super::style::{Antialiasing, BackFaces, Splatting};
+use super::content::{CodedCells, Content, Surfels};
+use super::style::{Antialiasing, BackFaces, Footprint, PointLight, PointShape, PointSizing, PointStyle, Splatting};
 use super::{Clip, DrawSettings, GroundPlane, Lighting, PhotosInFrame, Primitive, ViewTransform};
+use crate::levels::octree::coded::CodeView;
 use crate::math::Aabb;
+use glam::Vec4;
+use std::sync::Arc;
 
 /// Everything a renderer needs for one image. Equal packets make equal images.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,6 +61,59 @@ impl ScenePacket {
             cells.lod_px *= samples as f32;
         }
         drawn
+    }
+
+    /// Returns the view of a byte code, and how finely it is drawn.
+    pub fn code_view(&self, cells: &CodedCells) -> CodeView {
+        let (view, surfels, codes) = (&self.view, &self.style.surfels, &self.style.codes);
+        let [visibility, attribute] = surfels.splatting.scales(surfels.enlargement);
+        let to_corner = std::f32::consts::SQRT_2 * surfels.splat_scale * visibility.max(attribute);
+        let [left, right, bottom, top, _] = view.frustum_in_frame().planes().map(Vec4::truncate);
+        CodeView {
+            eye_high: view.eye_high,
+            eye_low: view.eye_low,
+            forward: -view.view_from_frame_rotation.row(2),
+            sides: [left, right, bottom, top],
+            near: view.near,
+            px_per_slope: 0.5 * view.focal[0] * self.viewport_px[0] as f32,
+            lod_px: cells.lod_px,
+            deepest_level: cells.deepest_level,
+            culls_back_faces: self.style.culls_back_faces(),
+            reach_radii: to_corner,
+            normal_bits: codes.normal_bits.bits(),
+            offset_bits: codes.offset_bits.bits(),
+        }
+    }
+
+    /// Returns the same packet with the nodes of a byte code as points of a pixel where these are its footprints, for
+    /// renderers that draw the footprints of other primitives.
+    #[must_use]
+    pub fn with_coded_pixels_as_points(mut self) -> Self {
+        if self.content.coded().is_some() && self.style.codes.footprint == Footprint::Pixels {
+            self.style.primitive = Primitive::Point;
+            self.style.points = PointStyle {
+                size_px: 1.0,
+                sizing: PointSizing::Pixels,
+                shape: PointShape::Square,
+                light: PointLight::Normals,
+                ..self.style.points
+            };
+        }
+        self
+    }
+
+    /// Returns the same packet with the surfels that the view shows of a byte code, for renderers that cannot draw it.
+    #[must_use]
+    pub fn with_surfels_of(&self, cells: &CodedCells) -> Self {
+        let (points, shapes) = cells.cloud.surfels(&self.code_view(cells));
+        let surfels = Surfels {
+            points: Arc::new(points),
+            shapes: Arc::new(shapes),
+        };
+        Self {
+            content: Content::Surfels(surfels),
+            ..self.clone()
+        }
     }
 
     /// Height of the whole image that this one is a part of, pixels.

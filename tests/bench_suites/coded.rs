@@ -1,6 +1,6 @@
 //! Byte codes: sizes, orders, drawing.
 
-use super::{assert_files_agree, column, input, rows_of};
+use super::{assert_files_agree, column, common, input, rows_of};
 use pointreel::bench::{BenchOptions, Cell, Input, Report, Row, run, suites};
 use pointreel::progress::Progress;
 use pointreel::sequence::{Sequence, Shape};
@@ -16,7 +16,14 @@ fn report() -> Report {
         repeat: 1,
         ..BenchOptions::new(suites::CODED)
     };
-    run(&[torus], &options, None, &|_| {}, &Progress::default()).unwrap()
+    run(
+        &[torus],
+        &options,
+        Some(&common::context()),
+        &|_| {},
+        &Progress::default(),
+    )
+    .unwrap()
 }
 
 #[test]
@@ -78,6 +85,14 @@ fn byte_codes_are_measured() {
         // A large block is drawn on one level, no coarser than that of each of its parts.
         assert!(ratio(blocks).unwrap() > masks - 0.5, "{blocks}");
     }
+
+    let [by_compute, by_cpu] = ["GPU: code by compute", "GPU: code by the CPU"].map(|mode| ratio(mode).unwrap());
+    assert!(
+        by_compute > 25.0 && (by_compute - by_cpu).abs() < 0.1,
+        "{by_compute} {by_cpu}"
+    );
+    assert_eq!(ratio("GPU: exact disks"), None, "the reference of the adapter");
+    assert!(ratio("GPU: coded pixels").unwrap() < by_compute);
 
     let equal = rows_of(&report, "equal time");
     let modes: Vec<String> = equal.iter().map(|&row| text(row, "way")).collect();

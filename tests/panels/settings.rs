@@ -193,14 +193,12 @@ fn every_setting_can_be_changed_and_reset() {
 }
 
 #[test]
-fn footprints_are_offered_for_the_cpu_and_modes_with_a_visibility_pass() {
+fn footprints_are_offered_for_modes_with_a_visibility_pass() {
     let mut harness = window();
     let is_offered = |harness: &Harness<'_, State>| {
         let list = harness.get_by_role_and_label(Role::ComboBox, "Footprint");
         !list.accesskit_node().is_disabled()
     };
-    choose(&mut harness, "Renderer", "GPU");
-    assert!(!is_offered(&harness), "the GPU draws exact disks");
     choose(&mut harness, "Renderer", "CPU");
     choose(&mut harness, "Splatting", "Regular");
     assert!(!is_offered(&harness), "this mode lays splats over each other");
@@ -215,6 +213,9 @@ fn footprints_are_offered_for_the_cpu_and_modes_with_a_visibility_pass() {
     assert_eq!(style.codes.normal_bits, NormalBits::Seventeen);
     assert_eq!(style.codes.offset_bits, OffsetBits::None);
     assert!(style.decided().draws_codes());
+    choose(&mut harness, "Renderer", "GPU");
+    assert!(is_offered(&harness) && harness.state().style.decided().draws_codes());
+    choose(&mut harness, "Renderer", "CPU");
     // The resolution of codes is a level-of-detail setting.
     slide(&mut harness, "Smallest cell (τ)", 8.0);
     assert_eq!(harness.state().style.levels.lod, Lod::ThresholdPx(8.0));

@@ -184,6 +184,7 @@ mod tests {
                 | Permutation::Gather
                 | Permutation::Filter
                 | Permutation::Visible
+                | Permutation::Coded
                 | Permutation::DepthImages
                 | Permutation::Stereo => continue,
             };

@@ -303,9 +303,26 @@ impl ComputePrograms {
         bound: Bound<'_>,
         [across, down]: [u32; 2],
     ) {
+        self.bind(pass, row, bound);
+        pass.dispatch_workgroups(across, down, 1);
+    }
+
+    /// The number of workgroups is that which an earlier pass has written into a buffer, at this offset in bytes.
+    pub(super) fn dispatch_indirect(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        row: usize,
+        bound: Bound<'_>,
+        groups: &wgpu::Buffer,
+        groups_at: u64,
+    ) {
+        self.bind(pass, row, bound);
+        pass.dispatch_workgroups_indirect(groups, groups_at);
+    }
+
+    fn bind(&self, pass: &mut wgpu::ComputePass<'_>, row: usize, bound: Bound<'_>) {
         pass.set_pipeline(&self.programs[row].pipeline);
         pass.set_bind_group(COMPUTE_GROUP, bound.group, &[bound.uniform_offset]);
-        pass.dispatch_workgroups(across, down, 1);
     }
 }
 

@@ -6,6 +6,9 @@ pub use crate::levels::NodeBounds;
 
 use super::layout::{Layout, Shared, shared_struct};
 use crate::analysis::screen::{RADIUS_SPACINGS, ScreenCloud, ScreenView};
+use crate::cloud::FINEST_NORMAL_BITS;
+use crate::levels::octree::CodedCloud;
+use crate::levels::octree::coded::{CodeView, offset_of_code};
 use crate::levels::{Selection, SequenceFilter};
 use crate::math::Frustum;
 use crate::render::constants::depth_slack_radii;
@@ -18,10 +21,11 @@ use std::f32::consts::LOG2_E;
 use std::ops::Range;
 
 /// The structures declared here; those of effects are with these.
-pub const LAYOUTS: [&Layout; 8] = [
+pub const LAYOUTS: [&Layout; 9] = [
     &Gathering::LAYOUT,
     &Filtering::LAYOUT,
     &Screening::LAYOUT,
+    &Expanding::LAYOUT,
     &DepthImaging::LAYOUT,
     &StereoMatching::LAYOUT,
     &ViewUniform::LAYOUT,
@@ -213,6 +217,92 @@ impl Screening {
             size_px: view.size_px,
             ..Self::zeroed()
         }
+    }
+}
+
+shared_struct! {
+    /// The view that a byte code is traversed for, at one level of it (`coded/code.wgsl`).
+    pub Expanding as "Expanding" {
+        /// The eye is `eye_high + eye_low`.
+        eye_high: [f32; 3],
+        /// Distance to the near plane.
+        near: f32,
+        /// The rest of the eye.
+        eye_low: [f32; 3],
+        /// Pixels for a slope of 1.
+        px_per_slope: f32,
+        /// Unit vector of the view axis.
+        forward: [f32; 3],
+        /// Cells whose edge projects below this many pixels are not divided.
+        lod_px: f32,
+        /// Smallest corner of the cube of the root.
+        cube_min: [f32; 3],
+        /// Its edge.
+        cube_edge: f32,
+        /// Unit normals of the side planes, which contain the eye, pointing inwards; the fourth numbers are unused.
+        sides: [[f32; 4]; 4],
+        /// Offsets along normals by their codes, in cell edges.
+        offsets: [[f32; 4]; 2],
+        /// Level of the queue.
+        level: u32,
+        /// Nodes of this level are not divided.
+        deepest_level: u32,
+        /// Reach of splats from their cells on this level and below, scene units.
+        reach: f32,
+        /// Reach of a splat in its radii.
+        reach_radii: f32,
+        /// Back-face culling flag: nodes that face away are not drawn.
+        culls_back_faces: u32,
+        /// Bits of the index of a normal that are not used.
+        normal_shift: u32,
+        /// Word at which the numbers of bits begin.
+        ranks_start: u32,
+        /// Word at which the attributes begin.
+        attributes_start: u32,
+        /// The first record of a chunk among the drawn nodes.
+        first: u32,
+        /// Number of records of the chunk.
+        count: u32,
+        /// Padding.
+        unused_a: u32,
+        /// Padding.
+        unused_b: u32,
+    }
+}
+
+impl Expanding {
+    /// Creates the uniforms of the levels of a code from the root to the deepest that is drawn.
+    pub fn of_levels(cloud: &CodedCloud, view: &CodeView, deepest_level: u32) -> Vec<Self> {
+        let [ranks_start, attributes_start, _] = cloud.word_starts().map(|word| word as u32);
+        let offset = |code| offset_of_code(code, view.offset_bits);
+        let of_view = Self {
+            eye_high: view.eye_high.to_array(),
+            near: view.near,
+            eye_low: view.eye_low.to_array(),
+            px_per_slope: view.px_per_slope,
+            forward: view.forward.to_array(),
+            lod_px: view.lod_px,
+            cube_min: cloud.cube().min.as_vec3().to_array(),
+            cube_edge: cloud.cube().edge,
+            sides: view.sides.map(|side| side.extend(0.0).to_array()),
+            offsets: [[0, 1, 2, 3], [4, 5, 6, 7]].map(|codes| codes.map(offset)),
+            deepest_level,
+            reach_radii: view.reach_radii,
+            culls_back_faces: view.culls_back_faces.into(),
+            normal_shift: FINEST_NORMAL_BITS - view.normal_bits,
+            ranks_start,
+            attributes_start,
+            ..Self::zeroed()
+        };
+        let reaches = cloud.reaches(view.reach_radii).into_iter();
+        (0..=deepest_level)
+            .zip(reaches)
+            .map(|(level, reach)| Self {
+                level,
+                reach,
+                ..of_view
+            })
+            .collect()
     }
 }
 

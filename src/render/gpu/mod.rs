@@ -4,6 +4,7 @@
 //! passes of one image in `plan`, its commands in `picture`. A strategy owns upload and draw call, a pass owns targets
 //! and blending; neither knows the other. A primitive (`primitives`) lists the passes that draw it.
 
+mod coded;
 pub mod complexity;
 mod compute;
 pub(in crate::render) mod constants;

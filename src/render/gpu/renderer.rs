@@ -1,5 +1,6 @@
 //! [`GpuRenderer`]: holds the state shared by images, and makes the next one from a packet.
 
+use super::coded::{self, CodeExpander};
 use super::context::Context;
 use super::depth_images::DepthMaker;
 use super::gather::{Gatherer, Selected};
@@ -39,6 +40,7 @@ pub struct GpuRenderer {
     residency: Residency,
     gatherer: Gatherer,
     visible: VisibleMaker,
+    codes: CodeExpander,
     depth_images: DepthMaker,
     /// Most recent timings of culling and normal estimation of an image.
     screen_ms: [Option<f64>; 2],
@@ -98,6 +100,7 @@ impl GpuRenderer {
             residency: Residency::new(DEFAULT_RESIDENT_BUDGET_BYTES),
             gatherer: Gatherer::new(),
             visible: VisibleMaker::default(),
+            codes: CodeExpander::default(),
             depth_images: DepthMaker::default(),
             screen_ms: [None; 2],
             // lavapipe, two cores, a Redwood frame at 640×480: culling and normals took 108 and 116 ms, the CPU's code
@@ -234,11 +237,16 @@ impl GpuRenderer {
     /// Returns the packet as it is drawn. Nodes that cannot all be resident are gathered here, and screen-space surfels
     /// that the adapter does not make are made here.
     fn as_drawn(&mut self, packet: &ScenePacket) -> ScenePacket {
-        let drawn = packet.as_drawn();
+        let drawn = packet.as_drawn().with_coded_pixels_as_points();
         if let Content::Visible(visible) = &drawn.content
             && !(self.makes_surfels && VisibleMaker::can_hold(&self.context, visible))
         {
             return self.gathered.packet(&drawn);
+        }
+        if let Content::Coded(cells) = &drawn.content
+            && !CodeExpander::can_hold(&self.context, cells)
+        {
+            return drawn.with_surfels_of(cells);
         }
         let streams = primitives::drawable(&drawn).streams;
         let mut sizes = streams.iter().map(RecordSource::record_bytes);
@@ -266,7 +274,11 @@ impl GpuRenderer {
             let mut recording = Recording::new(&self.context, &mut encoder, self.timer.as_mut());
             self.stats.passes += self.visible.record(&mut recording, &self.residency);
         }
-        let streams = streams_of(&plan, &self.residency, &self.gatherer, &self.visible);
+        if plan.drawable.code.is_some() {
+            let mut recording = Recording::new(&self.context, &mut encoder, self.timer.as_mut());
+            self.stats.passes += self.codes.record(&mut recording, &self.residency);
+        }
+        let streams = streams_of(&plan, &self.residency, &self.gatherer, &self.visible, &self.codes);
         let draw = Draw {
             streams: &streams,
             amplification: plan.drawable.amplification,
@@ -363,20 +375,24 @@ impl GpuRenderer {
         let mut result = self.upload_streams(plan);
         if has_others && matches!(result, Err(RenderError::OutOfMemory { .. })) {
             log::warn!("the GPU is out of memory: frames that were cached there are evicted");
-            self.residency.clear();
-            self.gatherer.clear();
-            self.visible.clear();
+            self.clear_streams();
             result = self.upload_streams(plan);
         }
         if result.is_err() {
             // Buffers derived from the streams cannot be drawn.
-            self.residency.clear();
-            self.gatherer.clear();
-            self.visible.clear();
+            self.clear_streams();
         }
         self.residency.trim(&plan.stream_keys());
         self.stats.resident_bytes = self.residency.resident_bytes();
         result
+    }
+
+    /// Drops everything on the GPU that is drawn, or made to be drawn.
+    fn clear_streams(&mut self) {
+        self.residency.clear();
+        self.gatherer.clear();
+        self.visible.clear();
+        self.codes.clear();
     }
 
     fn upload_streams(&mut self, plan: &Plan<'_>) -> Result<(), RenderError> {
@@ -387,6 +403,7 @@ impl GpuRenderer {
             residency,
             gatherer,
             visible: maker,
+            codes,
             depth_images,
             stats,
             ..
@@ -408,6 +425,7 @@ impl GpuRenderer {
                             chunks: vec![Chunk::to_gather_from(made.count, made.buffer.clone())],
                         }
                     }
+                    StreamContents::Code(cloud) => CodeExpander::upload(context, cloud),
                 });
                 // Images take fewer bytes than the points made from them.
                 let uploaded_bytes = of_images.as_ref().map_or(resident_bytes, |made| made.uploaded_bytes);
@@ -433,13 +451,21 @@ impl GpuRenderer {
                 };
                 maker.ensure(context, instancing.as_ref(), wanted);
             }
+            if let (Some(code), Some(stream)) = (plan.drawable.code, plan.drawable.streams.first()) {
+                let wanted = coded::Wanted {
+                    code,
+                    stream: stream.key(),
+                    chunked_for,
+                };
+                codes.ensure(context, instancing.as_ref(), wanted);
+            }
         })
     }
 
     fn ensure_quad_indices(&mut self, plan: &Plan<'_>) -> Result<(), RenderError> {
         let amplification = plan.drawable.amplification;
         let instancing = instancing_of(plan, self.instancing.as_mut(), &mut self.indexed);
-        let quads = streams_of(plan, &self.residency, &self.gatherer, &self.visible)
+        let quads = streams_of(plan, &self.residency, &self.gatherer, &self.visible, &self.codes)
             .into_iter()
             .flat_map(|stream| &stream.chunks)
             .map(|chunk| instancing.quads_per_draw(chunk.record_count, amplification))
@@ -477,9 +503,7 @@ impl Renderer for GpuRenderer {
         self.ensure_targets(sizes_px, plan.precision)?;
         let strategy = packet.style.drawing.strategy;
         if self.strategy != strategy {
-            self.residency.clear();
-            self.gatherer.clear();
-            self.visible.clear();
+            self.clear_streams();
             self.instancing = (instancing::row(strategy).open)(&self.context, &self.pipelines.view_layout);
             self.strategy = strategy;
         }
@@ -558,12 +582,16 @@ fn streams_of<'a>(
     residency: &'a Residency,
     gatherer: &'a Gatherer,
     visible: &'a VisibleMaker,
+    codes: &'a CodeExpander,
 ) -> Vec<&'a Stream> {
     if plan.drawable.selection.is_some() {
         return gatherer.streams();
     }
     if plan.drawable.visible.is_some() {
         return visible.streams();
+    }
+    if plan.drawable.code.is_some() {
+        return codes.streams();
     }
     let keys = plan.stream_keys();
     keys.into_iter().filter_map(|key| residency.get(key)).collect()

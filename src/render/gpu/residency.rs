@@ -7,6 +7,7 @@
 
 use super::instancing::Stream;
 use crate::cloud::{MeshRecords, PointRecord};
+use crate::levels::octree::CodedCloud;
 use crate::scene::PointImages;
 use bytemuck::NoUninit;
 use std::any::Any;
@@ -75,6 +76,8 @@ pub(super) enum StreamContents<'a> {
     Mesh(&'a MeshRecords),
     /// A point of every pixel.
     Images(&'a PointImages),
+    /// Nodes of an octree, some of which are decoded.
+    Code(&'a CodedCloud),
 }
 
 impl<'a> RecordSource<'a> {
@@ -97,17 +100,23 @@ impl<'a> RecordSource<'a> {
         }
     }
 
-    /// Returns the size of the records in bytes; 0 for meshes.
+    /// Returns the size of the records in bytes, or of the byte code; 0 for meshes.
     pub(super) fn record_bytes(&self) -> usize {
         match self.contents {
             StreamContents::Records(bytes) | StreamContents::Nodes(bytes) => bytes.len(),
             StreamContents::Mesh(_) => 0,
             StreamContents::Images(images) => images.frame.pixels() * size_of::<PointRecord>(),
+            StreamContents::Code(cloud) => cloud.word_starts()[2] * size_of::<u32>(),
         }
     }
 
     pub(super) fn of_mesh(mesh: &'a Arc<MeshRecords>) -> Self {
         Self::owned_by(mesh, StreamContents::Mesh(mesh))
+    }
+
+    /// The nodes of a byte code.
+    pub(super) fn of_code(cloud: &'a Arc<CodedCloud>) -> Self {
+        Self::owned_by(cloud, StreamContents::Code(cloud))
     }
 
     /// The points of images, of which some are drawn.

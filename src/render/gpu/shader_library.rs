@@ -8,6 +8,7 @@ use super::shader_file::{GeneratedRow, ShaderFile, shader_file};
 
 /// Files that others import.
 pub(super) const LIBRARY: &[ShaderFile] = &[
+    shader_file!("coded/code.wgsl"),
     shader_file!("common/blended_surface.wgsl"),
     shader_file!("common/f64.wgsl"),
     shader_file!("common/facet.wgsl"),

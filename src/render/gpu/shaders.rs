@@ -10,7 +10,7 @@ pub use super::wgsl::{ImportError, ShaderFile};
 use super::gather_program::{FILTER, GATHER};
 use super::passes::screen::SCREEN_PASSES;
 use super::wgsl::assembled;
-use super::{depth_images, instancing, stereo, visible};
+use super::{coded, depth_images, instancing, stereo, visible};
 use crate::render::effects::EFFECTS;
 use crate::scene::Strategy;
 
@@ -39,6 +39,8 @@ pub enum Permutation {
     Filter,
     /// The passes that make surfels of the screen.
     Visible,
+    /// The passes that traverse and decode a byte code.
+    Coded,
     /// The passes that filter depth images and make points of them.
     DepthImages,
     /// The stereo matching passes.
@@ -55,6 +57,7 @@ impl Permutation {
             Self::Gather,
             Self::Filter,
             Self::Visible,
+            Self::Coded,
             Self::DepthImages,
             Self::Stereo,
         ]);
@@ -83,6 +86,7 @@ impl Permutation {
             Self::Gather => "gather".to_owned(),
             Self::Filter => "filter".to_owned(),
             Self::Visible => "visible".to_owned(),
+            Self::Coded => "byte code".to_owned(),
             Self::DepthImages => "depth images".to_owned(),
             Self::Stereo => "stereo".to_owned(),
             Self::Screen(pass) => format!("screen/{}", pass.name),
@@ -110,6 +114,7 @@ impl Permutation {
             Self::Gather => GATHER.source(),
             Self::Filter => FILTER.source(),
             Self::Visible => visible::SHADER.source(),
+            Self::Coded => coded::SHADER.source(),
             Self::DepthImages => depth_images::SHADER.source(),
             Self::Stereo => stereo::SHADER.source(),
             Self::Screen(pass) => assembled(&[("generated/bindings", pass.declarations())], pass.files),

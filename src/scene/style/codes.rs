@@ -4,12 +4,12 @@ use super::choices::choices;
 use super::describe::{Label, Numbers, Place, Section, Typed, Values, group};
 
 choices! {
-    /// Footprint shape and source that the software renderer draws surfels from. Effective in the splatting modes that
-    /// begin with a visibility pass; the GPU always draws exact disks.
+    /// Footprint shape of surfels, and what they are drawn from. Effective in the splatting modes that begin with a
+    /// visibility pass. GPUs decode the nodes of the byte code, and draw exact disks of them in place of masks.
     Footprint, "footprint" {
         Disks = "disks", "Exact disks", "Pixel by pixel, from the records of the points";
         /// Masks are worked out once for quantised normals (Botsch et al. 2002 §5.2).
-        Masks = "masks", "Masks", "Looked up by normal, place and size, from the byte code of the octree";
+        Masks = "masks", "Masks", "Looked up by normal, place and size, from the byte code of the octree; disks on a GPU";
         /// Botsch et al. 2002 §4.
         Pixels = "pixels", "Pixels", "One for each cell, from the byte code of the octree";
     }
@@ -61,13 +61,14 @@ impl OffsetBits {
 group! {
     /// Rendering settings of surfels from byte codes of the octree.
     CodeStyle {
-        /// Footprint that the software renderer draws surfels from.
+        /// Footprint that surfels are drawn with.
         footprint: Footprint = Footprint::Disks, "footprint" FOOTPRINT {
             flag: "footprint",
             value_name: "FOOTPRINT",
-            help: "Footprint of surfels on the CPU: exact disks, or masks or pixels from byte codes",
+            help: "Footprint of surfels: exact disks, or masks or pixels from byte codes",
             title: "Footprint",
-            hint: "What the CPU renderer draws surfels from; the GPU draws exact disks",
+            hint: "Exact disks of all points, or masks or pixels of the nodes of the octree's byte code. A GPU draws \
+                   disks in place of masks",
             section: Section::Footprints,
             when: |drawn| drawn.draws_surfels(),
             label: Label::Unusual(Place::What, "of {}"),
@@ -104,12 +105,12 @@ group! {
         block_nodes: f32 = 48.0, "block_nodes" BLOCK_NODES {
             flag: "block-nodes",
             value_name: "N",
-            help: "Nodes of a byte code that are culled and decoded together",
+            help: "Nodes of a byte code that are culled and decoded together (CPU)",
             title: "Block size",
-            hint: "Nodes of the byte code that are culled and decoded together, on average. A block is drawn on one \
-                   level, that of its nearest corner",
+            hint: "Nodes of the byte code that the CPU renderer culls and decodes together, on average. A block is drawn \
+                   on one level, that of its nearest corner",
             section: Section::Footprints,
-            when: |drawn| drawn.asks_for_codes(),
+            when: |drawn| drawn.asks_for_codes() && !drawn.is_drawn_on_gpu(),
             label: Label::Unusual(Place::What, "blocks of {}"),
             also: &["culling granularity"],
             values: Values::Number(Numbers {

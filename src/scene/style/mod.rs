@@ -390,15 +390,13 @@ impl<C: Copy> Style<C> {
         self.has_footprints() && self.codes.footprint != Footprint::Disks
     }
 
-    /// Returns true if [`CodeStyle::footprint`] has an effect: only the CPU draws byte codes. There are none for
-    /// deferred shading, as a code is lit by a table of normals, nor for ellipses, sprites, filtered splats or other
-    /// kernels.
+    /// Returns true if [`CodeStyle::footprint`] has an effect. Byte codes are not drawn with deferred shading, as a code
+    /// is lit by a table of normals, nor as ellipses, sprites, filtered splats or with other kernels.
     pub fn has_footprints(&self) -> bool {
         self.draws_surfels()
             && !self.filters_splats()
             && self.surfels.kernel == Kernel::Gaussian
             && !matches!(self.primitive, Primitive::Ellipse | Primitive::Sprite)
-            && self.drawing.renderer == RendererChoice::Cpu
             && self.surfels.splatting.has_visibility_pass()
             && !self.light.lighting.is_deferred()
             && !self.draws_photos()

@@ -45,10 +45,10 @@ const MODES: [Mode; 13] = [
 
 /// Measurements of one mode from one distance.
 #[derive(Default)]
-struct Samples {
-    times_ms: Vec<f64>,
-    records: Vec<f64>,
-    squared: Vec<f64>,
+pub(super) struct Samples {
+    pub(super) times_ms: Vec<f64>,
+    pub(super) records: Vec<f64>,
+    pub(super) squared: Vec<f64>,
 }
 
 pub(super) fn rows(run: &mut Run<'_>, processor: &mut Runner, of: &Subjected<'_>) -> Result<Vec<Row>, BenchError> {
@@ -98,7 +98,7 @@ pub(super) fn rows(run: &mut Run<'_>, processor: &mut Runner, of: &Subjected<'_>
 }
 
 impl Samples {
-    fn row(&self, of: &Subjected<'_>, mode: &str, view: &str) -> Row {
+    pub(super) fn row(&self, of: &Subjected<'_>, mode: &str, view: &str) -> Row {
         let times = Quantiles::of(&self.times_ms);
         let records = mean(&self.records);
         // For identical images it is infinite, which JSON cannot represent.

@@ -5,9 +5,11 @@
 //! |---|---|
 //! | [`sizes`] | bits of each stream per leaf, as they are and packed by gzip |
 //! | [`orders`] | depth-first against breadth-first: writing, decoding, decoding with half of the nodes culled |
-//! | [`drawings`] | points and splats per second, by footprint, precision and size of blocks |
+//! | [`drawings`] | points and splats per second of the CPU, by footprint, precision and size of blocks |
+//! | [`by_adapter`] | the same of the adapter, which traverses and decodes the code in compute passes |
 //! | [`equal_time`] | error of points and splats that take as long as the mesh (Fig. 11) |
 
+mod by_adapter;
 mod columns;
 mod drawings;
 mod equal_time;
@@ -34,13 +36,13 @@ pub const CODED: &Suite = &Suite {
     name: "coded",
     brief: "byte codes: Table 1 of Botsch et al. 2002",
     title: "Byte codes",
-    hint: "Bits per point by stream, orders of the code, points and splats per second of the CPU renderer (Botsch et \
-           al. 2002, Table 1)",
-    description: "byte codes of octrees and their attributes: size, order, drawing on the CPU",
+    hint: "Bits per point by stream, orders of the code, points and splats per second (Botsch et al. 2002, Table 1)",
+    description: "byte codes of octrees and their attributes: size, order, drawing by the CPU and by the adapter",
     measured: "sizes: bits per leaf of each stream, of a tree by the paper's δ of 5 % and of one whose cells are about \
         as large as the spacing, as it is and by gzip, of all nodes and of leaves alone. orders: writing the code from \
         sorted points, and decoding it to the centres of all leaves, and of those on one side of the cloud, on one \
-        thread. drawing: time from packet to image on all threads, and PSNR against exact disks. equal time: the \
+        thread. drawing: time from packet to image on all threads, and PSNR against exact disks; by the adapter too, \
+        where the code is resident, and where the CPU decodes its nodes and uploads them. equal time: the \
         finest level that takes no longer than the mesh, PSNR against the image of the mesh",
     not_measured: "decoding files, normals, radii, sorting, showing; the paper's machine had an 800 MHz Pentium III",
     covered_by: "surfels",
@@ -54,12 +56,12 @@ pub const CODED: &Suite = &Suite {
     has_paper_layout: false,
     columns: columns::COLUMNS,
     headline: "mrecords_per_s",
-    bars_title: "Millions of points or splats per second on the CPU",
+    bars_title: "Millions of points or splats per second",
     bar_labels: 3,
 };
 
 /// One step to prepare a frame, one each for the tables.
-const STEPS_PER_FRAME: usize = 5;
+const STEPS_PER_FRAME: usize = 6;
 
 /// The frame with its byte code.
 fn needs() -> Needs {
@@ -113,6 +115,8 @@ fn measure_sequence(run: &mut Run<'_>, processor: &mut Runner, subject: &Subject
         rows.extend(orders::rows(run, &subjected)?);
         run.begin_step(format!("{named}: drawing"))?;
         rows.extend(drawings::rows(run, processor, &subjected)?);
+        run.begin_step(format!("{named}: drawing by the adapter"))?;
+        rows.extend(by_adapter::rows(run, &subjected)?);
         run.begin_step(format!("{named}: equal time"))?;
         rows.extend(equal_time::rows(run, processor, &subjected)?);
     }

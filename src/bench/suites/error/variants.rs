@@ -83,9 +83,7 @@ fn of_renderer(base: &Settings) -> Vec<Settings> {
     // Where the file has triangles.
     variants.push(mesh);
     variants.extend(of_structures(base, &voxel));
-    if base.drawing.renderer == RendererChoice::Cpu {
-        variants.extend(of_codes(base));
-    }
+    variants.extend(of_codes(base));
     let enlarged = base.with(|style| style.surfels.splatting = Splatting::TwoPassEnlarged);
     for whole in [*base, enlarged, detail, voxel, point] {
         variants.extend(RESOLUTIONS.map(|resolution| whole.with(|style| style.drawing.resolution = resolution)));
@@ -177,7 +175,7 @@ fn of_structures(base: &Settings, voxel: &Settings) -> Vec<Settings> {
     variants
 }
 
-/// From the octree's byte code; the GPU always draws exact disks.
+/// From the octree's byte code.
 fn of_codes(base: &Settings) -> Vec<Settings> {
     let whole = base.with(|style| style.levels.lod = Lod::ThresholdPx(0.0));
     let mut variants: Vec<Settings> = [Footprint::Masks, Footprint::Pixels]
@@ -250,8 +248,8 @@ mod tests {
                 .iter()
                 .all(|way| way.drawing.renderer == RendererChoice::Cpu)
         );
-        // Three footprints of byte codes are the CPU's; twelve strategies and a geometry the adapter's.
-        assert_eq!(variants.len(), 2 * of_processor.len() - 3 + 13);
+        // Twelve strategies and a geometry are the adapter's.
+        assert_eq!(variants.len(), 2 * of_processor.len() + 13);
         let first = label(&of_processor[0]);
         assert_eq!(first, "point 1 px lit by normals CPU");
     }

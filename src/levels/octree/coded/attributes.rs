@@ -16,12 +16,12 @@ use std::sync::LazyLock;
 /// al. 2002 §5.1).
 pub const LARGEST_OFFSET: f32 = 0.866_025_4;
 
-const NORMAL_MASK: u32 = (1 << crate::cloud::FINEST_NORMAL_BITS) - 1;
-const OFFSET_SHIFT: u32 = 17;
+pub(crate) const NORMAL_MASK: u32 = (1 << crate::cloud::FINEST_NORMAL_BITS) - 1;
+pub(crate) const OFFSET_SHIFT: u32 = 17;
 // With 0 bits, 438 to 822 pixels of a sphere show the background between terraces (five views); with 3 none do (splat
 // scale 1.4).
 const OFFSET_BITS: u32 = 3;
-const RADIUS_SHIFT: u32 = 20;
+pub(crate) const RADIUS_SHIFT: u32 = 20;
 
 /// Steps of radii in an octave; the smallest is 2^−2 cell edges, the largest 2^19.25.
 const RADIUS_STEPS: f32 = 12.0;
@@ -92,8 +92,13 @@ impl NodeAttributes {
 
     /// Half angle of a cone around the normal that holds the normals of all nodes below, in radians.
     pub fn cone(self) -> f32 {
-        f32::from(self.cone) * (PI / CONE_STEPS)
+        cone_of_code(self.cone)
     }
+}
+
+/// The half angle that a code means, in radians.
+pub(super) fn cone_of_code(code: u8) -> f32 {
+    f32::from(code) * (PI / CONE_STEPS)
 }
 
 /// The offset in cell edges that a 3-bit code means when this many of its bits are used, 0 to 3.

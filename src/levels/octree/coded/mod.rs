@@ -1,7 +1,9 @@
 //! A cloud as the byte code of its octree, with attributes for every node: it is rendered directly from its stored form
 //! (Botsch et al. 2002).
 //!
-//! # Layout Nodes are numbered breadth-first: the root is 0, each level in Morton order. Node `i` above the deepest
+//! # Layout
+//!
+//! Nodes are numbered breadth-first: the root is 0, each level in Morton order. Node `i` above the deepest
 //! level has a byte, its occupied octants; the children of all nodes are in the order of the bits, so the first child
 //! of `i` is one more than the bits before byte `i`. To find it without counting from the beginning, the number of bits
 //! before every 64th byte is kept (half a bit for a byte); the rest is eight population counts. A sequential walk over
@@ -11,7 +13,9 @@
 //! the bytes of the upper levels, and the attributes that belong to them, are a coarser cloud, and any prefix of levels
 //! can be drawn.
 //!
-//! # Attributes Eight bytes per node: the normal as 17 bits of the refined octahedron (of which less may be used), the
+//! # Attributes
+//!
+//! Eight bytes per node: the normal as 17 bits of the refined octahedron (of which less may be used), the
 //! *offset*, 3 bits, along the normal from the centre of the cell to the surface (Botsch et al. 2002 §5.1), a radius
 //! and the cone of the normals below, 8 bits each, and a colour.
 //!
@@ -25,12 +29,16 @@
 
 mod attributes;
 mod build;
+mod expand;
+#[cfg(test)]
+mod expand_tests;
 mod orders;
 #[cfg(test)]
 mod tests;
 
 pub use attributes::{LARGEST_OFFSET, NodeAttributes};
-pub(crate) use attributes::{offset_of_code, radius_of_code};
+pub(crate) use attributes::{NORMAL_MASK, OFFSET_SHIFT, RADIUS_SHIFT, offset_of_code, radius_of_code};
+pub use expand::{CodeNode, CodeView};
 pub use orders::DepthFirstCode;
 
 use super::{Octree, StopCriterion, stop::Leaves};
@@ -41,7 +49,7 @@ use std::ops::Range;
 use std::sync::{Arc, Weak};
 
 /// Bytes whose bits are counted one by one.
-const RANK_MASKS: usize = 64;
+pub(crate) const RANK_MASKS: usize = 64;
 
 /// The byte code of an octree, and attributes of its nodes.
 #[derive(Debug)]
@@ -220,6 +228,26 @@ impl CodedCloud {
         let level = level.min(self.depth());
         let bytes = self.level(level).start.min(self.masks.len());
         Octree::cells_from_masks(&self.masks[..bytes], level).unwrap_or_default()
+    }
+
+    /// The code as words, for GPUs: masks, four in each, then the numbers of bits before every 64th, then two words of
+    /// attributes for each node.
+    pub fn words(&self) -> Vec<u32> {
+        let masks = self.masks.chunks(4).map(|masks| {
+            let mut word = [0; 4];
+            word[..masks.len()].copy_from_slice(masks);
+            u32::from_le_bytes(word)
+        });
+        let attributes: &[u32] = bytemuck::cast_slice(&self.attributes);
+        let words = masks.chain(self.bits_before.iter().copied());
+        words.chain(attributes.iter().copied()).collect()
+    }
+
+    /// Where the numbers of bits and the attributes begin in [`CodedCloud::words`], and its length.
+    pub fn word_starts(&self) -> [usize; 3] {
+        let ranks = self.masks.len().div_ceil(4);
+        let attributes = ranks + self.bits_before.len();
+        [ranks, attributes, attributes + 2 * self.attributes.len()]
     }
 
     /// Bytes held in memory.

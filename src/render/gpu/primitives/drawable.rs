@@ -2,6 +2,7 @@
 
 use super::amplification::Amplification;
 use crate::levels::Selection;
+use crate::render::gpu::coded::CodeInView;
 use crate::render::gpu::passes::{GeometryPass, ScreenPass};
 use crate::render::gpu::residency::RecordSource;
 use crate::render::gpu::targets::Target;
@@ -21,6 +22,8 @@ pub(in crate::render::gpu) struct Drawable<'a> {
     pub(in crate::render::gpu) selection: Option<&'a Arc<Selection>>,
     /// Visible points and their shapes, to be determined if the stream holds all points.
     pub(in crate::render::gpu) visible: Option<&'a Arc<VisiblePoints>>,
+    /// Byte code whose nodes are to be decoded, if the stream is one.
+    pub(in crate::render::gpu) code: Option<CodeInView<'a>>,
     /// The amplification that limits the chunks of these streams.
     pub(in crate::render::gpu) chunked_for: &'static Amplification,
     pub(in crate::render::gpu) cull_back_faces: bool,
@@ -58,6 +61,15 @@ impl<'a> Drawable<'a> {
         Self {
             streams: vec![points],
             visible: Some(visible),
+            ..self
+        }
+    }
+
+    /// Draws the nodes of a byte code, which is its stream.
+    pub(super) fn of_code(self, code: CodeInView<'a>) -> Self {
+        Self {
+            streams: vec![RecordSource::of_code(&code.cells.cloud)],
+            code: Some(code),
             ..self
         }
     }

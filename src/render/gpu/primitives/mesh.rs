@@ -39,6 +39,7 @@ pub(super) fn drawable<'a>(mesh: &'a Arc<MeshRecords>, style: &DrawSettings) -> 
         streams: vec![RecordSource::of_mesh(mesh)],
         selection: None,
         visible: None,
+        code: None,
         chunked_for: &TRIANGLE,
         // Files have either winding order.
         cull_back_faces: false,

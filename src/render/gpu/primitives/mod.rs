@@ -28,6 +28,7 @@ mod voxels;
 pub use amplification::Amplification;
 pub(super) use drawable::Drawable;
 
+use super::coded::CodeInView;
 use crate::scene::{Content, Primitive, ScenePacket};
 
 /// All of them.
@@ -50,8 +51,12 @@ pub const AMPLIFICATIONS: [&Amplification; 12] = [
 pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
     let style = &packet.style;
     match &packet.content {
-        // For the first two only the background is drawn: byte codes are for the CPU renderer only.
-        Content::Nothing | Content::Coded(_) | Content::Points(_) => points::drawable(packet),
+        // For the first only the background is drawn.
+        Content::Nothing | Content::Points(_) => points::drawable(packet),
+        Content::Coded(cells) => of_surfels(packet).of_code(CodeInView {
+            cells,
+            view: packet.code_view(cells),
+        }),
         Content::Selected(selected) => of_surfels(packet).selecting(&selected.selection),
         Content::Visible(visible) => of_surfels(packet).of_visible(visible),
         Content::Surfels(_) => of_surfels(packet),

@@ -74,7 +74,7 @@ pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
     };
     let points = packet.content.points().map(RecordSource::of);
     let shapes = packet.content.shapes().map(RecordSource::of);
-    let has_shapes = shapes.is_some();
+    let has_shapes = packet.content.has_shapes();
     Drawable {
         amplification: if has_shapes {
             &SQUARE_WITH_SHAPE
@@ -86,6 +86,7 @@ pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
         streams: points.into_iter().chain(shapes).collect(),
         selection: None,
         visible: None,
+        code: None,
         // Of everything drawn from a cloud, surfels have the smallest chunks: switching the primitive does not upload
         // again.
         chunked_for: &surfels::DISK,

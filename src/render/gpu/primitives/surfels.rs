@@ -134,6 +134,7 @@ pub(super) fn drawable(packet: &ScenePacket) -> Drawable<'_> {
         streams: points.into_iter().chain(shapes).collect(),
         selection: None,
         visible: None,
+        code: None,
         chunked_for: &DISK,
         cull_back_faces: style.culls_back_faces(),
         passes,

@@ -51,6 +51,7 @@ pub(super) fn drawable<'a>(voxels: &'a Voxels, style: &DrawSettings) -> Drawable
             .collect(),
         selection: None,
         visible: None,
+        code: None,
         chunked_for: amplification,
         // It is never right to draw the faces of a cube that face away from the eye.
         cull_back_faces: true,

@@ -6,18 +6,10 @@
 //! than it is picked.
 
 use super::ray::Ray;
-use crate::cloud::{PointRecord, ShapeRecord, coarser_normal, oct_encode, quantised_normals};
-use crate::levels::octree::coded::{NodeAttributes, offset_of_code};
-use crate::scene::{CodeStyle, CodedCells, DrawSettings, Surfels};
+use crate::levels::octree::coded::CodeNode;
+use crate::scene::{CodedCells, DrawSettings, Surfels};
 use glam::Vec3;
 use std::sync::Arc;
-
-/// A node and where its cell is.
-struct Node {
-    number: usize,
-    level: u32,
-    cell: [u32; 3],
-}
 
 /// The surfels of `coded` that may come nearer to the ray than a radius.
 pub(super) fn surfels_near(ray: &Ray, coded: &CodedCells, style: &DrawSettings, radius_px: f64) -> Surfels {
@@ -27,11 +19,7 @@ pub(super) fn surfels_near(ray: &Ray, coded: &CodedCells, style: &DrawSettings, 
     let deepest = coded.deepest_level.min(cloud.depth());
     let [visibility, _] = surfels.splatting.scales(surfels.enlargement);
     let reaches = cloud.reaches(surfels.splat_scale * visibility);
-    let root = Node {
-        number: 0,
-        level: 0,
-        cell: [0; 3],
-    };
+    let root = CodeNode::ROOT;
     let mut waiting = Vec::new();
     waiting.extend((!cloud.attributes().is_empty()).then_some(root));
     while let Some(node) = waiting.pop() {
@@ -43,42 +31,15 @@ pub(super) fn surfels_near(ray: &Ray, coded: &CodedCells, style: &DrawSettings, 
             continue;
         }
         if level >= deepest || ray.size_px(center, edge) < f64::from(coded.lod_px) {
-            let attributes = cloud.attributes()[node.number];
-            let (point, shape) = surfel(attributes, center, edge, style.codes);
+            let (point, shape) = cloud.surfel(node, style.codes.normal_bits.bits(), style.codes.offset_bits.bits());
             points.push(point);
             shapes.push(shape);
             continue;
         }
-        let mask = cloud.masks()[node.number];
-        let children = (0..8).filter(|octant| mask >> octant & 1 != 0);
-        let numbered = children.zip(cloud.first_child(node.number)..);
-        waiting.extend(numbered.map(|(octant, number)| Node {
-            number,
-            level: level + 1,
-            cell: [0, 1, 2].map(|axis| 2 * node.cell[axis] + (octant >> axis & 1)),
-        }));
+        waiting.extend(cloud.children(node));
     }
     Surfels {
         points: Arc::new(points),
         shapes: Arc::new(shapes),
     }
-}
-
-/// The surfel of a node in a cell, with the drawn number of bits.
-fn surfel(attributes: NodeAttributes, center: Vec3, edge: f32, style: CodeStyle) -> (PointRecord, ShapeRecord) {
-    let bits = style.normal_bits.bits();
-    let normal = quantised_normals(bits)[coarser_normal(attributes.normal(), bits) as usize];
-    let offset = offset_of_code(attributes.offset_code(), style.offset_bits.bits()) * edge;
-    let [red, green, blue] = attributes.color;
-    let point = PointRecord {
-        position: (center + offset * normal).to_array(),
-        color: [red, green, blue, 255],
-    };
-    let shape = ShapeRecord {
-        normal: oct_encode(normal),
-        radius: attributes.radius_edges() * edge,
-        ellipse: 0,
-        scalar: 0.0,
-    };
-    (point, shape)
 }
