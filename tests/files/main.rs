@@ -11,6 +11,8 @@ mod fields;
 mod io_archives;
 mod io_formats;
 mod io_gltf;
+mod io_gltf_animations;
+mod io_gltf_meshes;
 mod io_meshes;
 mod io_npy;
 mod io_progress;

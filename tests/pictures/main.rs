@@ -8,10 +8,12 @@ mod ambient_occlusion;
 mod antialiasing;
 mod closed_surfaces;
 mod closed_voxels;
+mod coded_on_gpu;
 mod coded_surfels;
 #[path = "../common/mod.rs"]
 mod common;
 mod cpu_renderer;
+mod cpu_renderer_alone;
 #[path = "../common/data.rs"]
 mod data;
 mod deferred;

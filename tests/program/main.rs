@@ -5,6 +5,7 @@
 mod assumptions;
 mod cli;
 mod cli_convert;
+mod cli_render;
 mod cli_video;
 mod compare;
 mod compare_frames;
