@@ -48,6 +48,11 @@ impl Runner {
         self.renderer.is_processor()
     }
 
+    /// Sets if an adapter makes surfels of the screen and of byte codes, as hardware GPUs do by default.
+    pub(super) fn set_makes_surfels(&mut self, makes_surfels: bool) {
+        self.renderer.set_makes_surfels(makes_surfels);
+    }
+
     /// Creates everything that images like `packet` share (pipelines, targets) by drawing a single record of it.
     pub(super) fn warm_up(&mut self, packet: &ScenePacket) -> Result<(), RenderError> {
         self.draw(&single_record(packet)).map(|_| ())

@@ -55,6 +55,13 @@ impl AnyRenderer {
         Ok(Self::Gpu(Box::new(GpuRenderer::new(context)?)))
     }
 
+    /// Sets if an adapter makes surfels of the screen and of byte codes: see [`GpuRenderer::set_makes_surfels`].
+    pub fn set_makes_surfels(&mut self, makes_surfels: bool) {
+        if let Self::Gpu(renderer) = self {
+            renderer.set_makes_surfels(makes_surfels);
+        }
+    }
+
     /// Returns true if the CPU draws, without any driver.
     pub fn is_processor(&self) -> bool {
         matches!(self, Self::Cpu(_))

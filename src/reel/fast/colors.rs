@@ -110,14 +110,13 @@ impl Kind for Colors {
     fn eight_below(
         &self,
         parent: [u8; 4],
-        are_coded: [bool; 2],
+        is_coded: bool,
         slopes: Option<&Slopes>,
         words: &[u64; 8],
         below: &mut [[u8; 4]; 8],
     ) {
-        let [of_first, of_others] = are_coded.map(|is_coded| i16::from(is_coded).wrapping_neg());
+        let retained = i16::from(is_coded).wrapping_neg();
         for ((below, &word), child) in below.iter_mut().zip(words).zip(0..8) {
-            let retained = if child == 0 { of_first } else { of_others };
             for lane in 0..4 {
                 let mut expected = i16::from(parent[lane]);
                 if let Some(slopes) = slopes {

@@ -91,25 +91,15 @@ impl Kind for Normals {
     }
 
     #[inline(always)]
-    fn eight_below(
-        &self,
-        parent: u32,
-        are_coded: [bool; 2],
-        _: Option<&Slopes>,
-        words: &[u64; 8],
-        below: &mut [u32; 8],
-    ) {
-        let [of_first, of_others] = are_coded.map(|is_coded| {
-            let from = if parent & NO_NORMAL == 0 || !is_coded {
-                parent
-            } else {
-                0
-            };
-            (from, u32::from(is_coded).wrapping_neg())
-        });
+    fn eight_below(&self, parent: u32, is_coded: bool, _: Option<&Slopes>, words: &[u64; 8], below: &mut [u32; 8]) {
+        let from = if parent & NO_NORMAL == 0 || !is_coded {
+            parent
+        } else {
+            0
+        };
+        let retained = u32::from(is_coded).wrapping_neg();
         let mask = self.mask();
-        for ((below, &word), child) in below.iter_mut().zip(words).zip(0..8) {
-            let (from, retained) = if child == 0 { of_first } else { of_others };
+        for (below, &word) in below.iter_mut().zip(words) {
             *below = from.wrapping_add(word as u32 & retained) & mask;
         }
     }

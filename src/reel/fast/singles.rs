@@ -57,14 +57,13 @@ impl Kind for Singles {
     fn eight_below(
         &self,
         [parent]: [u16; 1],
-        are_coded: [bool; 2],
+        is_coded: bool,
         _: Option<&Slopes>,
         words: &[u64; 8],
         below: &mut [[u16; 1]; 8],
     ) {
-        let [of_first, of_others] = are_coded.map(|is_coded| i32::from(is_coded).wrapping_neg());
-        for ((below, &word), child) in below.iter_mut().zip(words).zip(0..8) {
-            let retained = if child == 0 { of_first } else { of_others };
+        let retained = i32::from(is_coded).wrapping_neg();
+        for (below, &word) in below.iter_mut().zip(words) {
             let is = i32::from(parent).wrapping_add(word as i32 & retained);
             *below = [is.clamp(0, i32::from(self.max)) as u16];
         }

@@ -104,7 +104,8 @@ impl GpuRenderer {
             depth_images: DepthMaker::default(),
             screen_ms: [None; 2],
             // lavapipe, two cores, a Redwood frame at 640×480: culling and normals took 108 and 116 ms, the CPU's code
-            // 15 and 50 ms. Filters of its depth images: 187 ms (bilateral) instead of 5.7 ms.
+            // 15 and 50 ms. Filters of its depth images: 187 ms (bilateral) instead of 5.7 ms. 51,000 nodes of a byte
+            // code at 1920×1080: 397 ms per image, 271 ms where the CPU decodes and uploads them.
             makes_surfels: !context.is_software(),
             gathered: Gathered::default(),
             targets: None,
@@ -203,8 +204,8 @@ impl GpuRenderer {
         self.residency.set_budget_bytes(budget_bytes);
     }
 
-    /// Sets if screen-space surfels are made by the adapter, rather than by the CPU and uploaded; by default only
-    /// hardware GPUs make them.
+    /// Sets if screen-space surfels, and those of byte codes, are made by the adapter, rather than by the CPU and
+    /// uploaded; by default only hardware GPUs make them.
     pub fn set_makes_surfels(&mut self, makes_surfels: bool) {
         if self.makes_surfels != makes_surfels {
             self.makes_surfels = makes_surfels;
@@ -234,8 +235,8 @@ impl GpuRenderer {
         self.drawn = None;
     }
 
-    /// Returns the packet as it is drawn. Nodes that cannot all be resident are gathered here, and screen-space surfels
-    /// that the adapter does not make are made here.
+    /// Returns the packet as it is drawn. Nodes that cannot all be resident are gathered here, and surfels that the
+    /// adapter does not make are made here.
     fn as_drawn(&mut self, packet: &ScenePacket) -> ScenePacket {
         let drawn = packet.as_drawn().with_coded_pixels_as_points();
         if let Content::Visible(visible) = &drawn.content
@@ -244,7 +245,7 @@ impl GpuRenderer {
             return self.gathered.packet(&drawn);
         }
         if let Content::Coded(cells) = &drawn.content
-            && !CodeExpander::can_hold(&self.context, cells)
+            && !(self.makes_surfels && CodeExpander::can_hold(&self.context, cells))
         {
             return drawn.with_surfels_of(cells);
         }

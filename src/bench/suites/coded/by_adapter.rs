@@ -68,6 +68,7 @@ pub(super) fn rows(run: &mut Run<'_>, of: &Subjected<'_>) -> Result<Vec<Row>, Be
     if run.runner.is_processor() {
         return Ok(rows);
     }
+    run.runner.set_makes_surfels(true);
     for (view, distance) in VIEWS {
         let mut samples = MODES.map(|_| Samples::default());
         for camera in cameras(of.subject, &of.frame, distance, run.options.viewpoints) {

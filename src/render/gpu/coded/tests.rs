@@ -216,6 +216,7 @@ fn a_code_of_one_node_and_an_empty_one_can_be_drawn() {
     assert_eq!(drawn, 1);
     // Without a root there is nothing to traverse.
     let mut renderer = GpuRenderer::new(context).unwrap();
+    renderer.set_makes_surfels(true);
     let empty = packet_of(0);
     let nothing = ScenePacket {
         content: Content::Nothing,
