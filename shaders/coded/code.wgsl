@@ -32,13 +32,13 @@ fn cell_of(node: vec4u) -> vec3u {
 }
 
 fn child_of(node: vec4u, octant: u32, number: u32) -> vec4u {
-    let cell = 2u * cell_of(node) + (vec3u(octant) >> vec3u(0u, 1u, 2u) & vec3u(1u));
-    return vec4u(number, cell.x | (level_of(node) + 1u) << CELL_BITS, cell.y, cell.z);
+    let cell = 2u * cell_of(node) + ((vec3u(octant) >> vec3u(0u, 1u, 2u)) & vec3u(1u));
+    return vec4u(number, cell.x | ((level_of(node) + 1u) << CELL_BITS), cell.y, cell.z);
 }
 
 // Occupied octants of a node above the leaves.
 fn mask_of(number: u32) -> u32 {
-    return code[number / 4u] >> (8u * (number % 4u)) & 0xffu;
+    return (code[number / 4u] >> (8u * (number % 4u))) & 0xffu;
 }
 
 // The number of its first child: one more than the bits before its mask.
@@ -70,7 +70,7 @@ fn attributes_of(number: u32) -> vec2u {
 
 // In cell edges.
 fn radius_edges(attributes: vec2u) -> f32 {
-    return bitcast<f32>(tables[attributes.x >> RADIUS_SHIFT & 0xffu].x);
+    return bitcast<f32>(tables[(attributes.x >> RADIUS_SHIFT) & 0xffu].x);
 }
 
 // Sine and cosine of the half angle of the normal cone, with its slack.
@@ -85,6 +85,6 @@ fn normal_of(attributes: vec2u) -> vec4u {
 
 // From the centre along the normal, in cell edges.
 fn offset_edges(attributes: vec2u) -> f32 {
-    let offset = attributes.x >> OFFSET_SHIFT & 7u;
+    let offset = (attributes.x >> OFFSET_SHIFT) & 7u;
     return expanding.offsets[offset / 4u][offset % 4u];
 }

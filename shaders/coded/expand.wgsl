@@ -7,8 +7,6 @@
 #import coded/code.wgsl
 #import common/scan.wgsl
 
-var<workgroup> queued_of_all: u32;
-
 // A queue of one node: the root.
 @compute @workgroup_size(1)
 fn begin() {
@@ -63,7 +61,8 @@ fn counts_of(node: vec4u) -> u32 {
         return 0u;
     }
     if (expanding.level >= expanding.deepest_level || is_small(offset, edge)) {
-        return 1u << 16u;
+        let facing = dot(bitcast<vec3f>(normal_of(attributes).xyz), offset);
+        return select(1u << 16u, 0u, expanding.culls_by_own_normals == 1u && facing > 0.0);
     }
     return countOneBits(mask_of(number_of(node)));
 }
@@ -93,13 +92,11 @@ fn classify(
 
 @compute @workgroup_size(GROUP_RECORDS)
 fn scan(@builtin(local_invocation_index) local: u32) {
-    if (local == 0u) {
-        queued_of_all = queued();
-    }
-    // The same for all, as the barriers below require.
-    let group_count = (workgroupUniformLoad(&queued_of_all) + GROUP_RECORDS - 1u) / GROUP_RECORDS;
+    let group_count = (queued() + GROUP_RECORDS - 1u) / GROUP_RECORDS;
+    // The same number of rounds for all, as the barriers require: what was read from a buffer might differ.
+    let max_groups = (expanding.max_queued + GROUP_RECORDS - 1u) / GROUP_RECORDS;
     var total = vec2u(found.drawn, 0u);
-    for (var start = 0u; start < group_count; start += GROUP_RECORDS) {
+    for (var start = 0u; start < max_groups; start += GROUP_RECORDS) {
         let group = start + local;
         var sum = vec2u(0u);
         if (group < group_count) {

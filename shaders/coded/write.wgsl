@@ -19,6 +19,6 @@ fn write(@builtin(global_invocation_id) id: vec3u) {
     let edge = edge_of_level(level_of(node));
     let normal = normal_of(attributes);
     let position = center_of(node) + offset_edges(attributes) * edge * bitcast<vec3f>(normal.xyz);
-    drawn_points[id.x] = PointRecord(position, attributes.y & 0xffffffu | 0xff000000u);
+    drawn_points[id.x] = PointRecord(position, (attributes.y & 0xffffffu) | 0xff000000u);
     drawn_shapes[id.x] = ShapeRecord(normal.w, radius_edges(attributes) * edge, 0u, 0.0);
 }

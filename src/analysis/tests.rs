@@ -230,6 +230,32 @@ fn orientation_crosses_sharp_edges_and_keeps_thin_sheets_apart() {
     }
 }
 
+/// A bumpy dish: at its rim the surface slopes either way, so that its extreme points say nothing, but its convex side
+/// is below.
+#[test]
+fn samples_of_an_open_surface_turn_the_same_side_out() {
+    for seed in 20..30 {
+        let mut random = Random(seed);
+        let mut positions = Vec::new();
+        while positions.len() < 8000 {
+            let Vec3 { x, y, .. } = 10.0 * random.cube();
+            if x.hypot(y) < 10.0 {
+                positions.push(Vec3::new(
+                    x,
+                    y,
+                    0.02 * (x * x + y * y) + 0.2 * (3.0 * x).sin() * (3.0 * y).sin(),
+                ));
+            }
+        }
+        let surface = estimate_surface(&positions, None);
+        let below = surface.normals.iter().filter(|normal| normal.z < 0.0).count();
+        assert!(
+            below * 100 > positions.len() * 95,
+            "seed {seed}: {below} of 8,000 point down"
+        );
+    }
+}
+
 #[test]
 fn noise_does_not_flip_patches() {
     let mut random = Random(8);

@@ -60,8 +60,8 @@ pub fn encode_group(frames: &[NewFrame<'_>], options: &ReelOptions) -> Result<En
     let clouds: Vec<Cow<'_, RawCloud>> = clouds.collect::<Result<_, _>>()?;
     let clouds: Vec<&RawCloud> = clouds.iter().map(AsRef::as_ref).collect();
     let mut plan = GroupPlan::new(&clouds, options);
-    choose_parent_colors(&mut plan, &clouds);
     let runs = runs_of(&plan, &clouds, options);
+    choose_parent_colors(&mut plan, &clouds, &runs);
     let coded: Vec<Vec<CodedFrame>> = runs
         .into_par_iter()
         .map(|run| encode_run(&plan, &clouds, run))

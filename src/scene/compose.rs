@@ -267,7 +267,7 @@ impl Scene {
         let is_left_to_gpu = style.drawing.renderer == RendererChoice::Gpu && !style.sorts_surfels();
         let kind = style.levels_kind();
         let coded = self.coded(frame, style);
-        // Byte codes cannot be clipped: with a clip, their surfels are drawn as disks.
+        // Byte codes cannot be clipped: with a clip, all points are drawn.
         if let Some(coded) = coded.filter(|_| params.clip.is_none()) {
             self.stats.emitted_voxels = coded.deepest_nodes();
             return Content::Coded(coded);

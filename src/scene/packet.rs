@@ -1,7 +1,7 @@
 //! Everything that one image needs.
 
 use super::content::{CodedCells, Content, Surfels};
-use super::style::{Antialiasing, BackFaces, Footprint, PointLight, PointShape, PointSizing, PointStyle, Splatting};
+use super::style::{Antialiasing, BackFaces, PointLight, PointShape, PointSizing, PointStyle, Splatting};
 use super::{Clip, DrawSettings, GroundPlane, Lighting, PhotosInFrame, Primitive, ViewTransform};
 use crate::levels::octree::coded::CodeView;
 use crate::math::Aabb;
@@ -78,7 +78,9 @@ impl ScenePacket {
             px_per_slope: 0.5 * view.focal[0] * self.viewport_px[0] as f32,
             lod_px: cells.lod_px,
             deepest_level: cells.deepest_level,
-            culls_back_faces: self.style.culls_back_faces(),
+            // Coded pixels may be drawn as points, which have no back.
+            culls_back_faces: surfels.back_faces == BackFaces::Culled,
+            culls_by_own_normals: surfels.back_faces == BackFaces::Culled && self.style.has_coded_pixels(),
             reach_radii: to_corner,
             normal_bits: codes.normal_bits.bits(),
             offset_bits: codes.offset_bits.bits(),
@@ -89,7 +91,7 @@ impl ScenePacket {
     /// renderers that draw the footprints of other primitives.
     #[must_use]
     pub fn with_coded_pixels_as_points(mut self) -> Self {
-        if self.content.coded().is_some() && self.style.codes.footprint == Footprint::Pixels {
+        if self.content.coded().is_some() && self.style.has_coded_pixels() {
             self.style.primitive = Primitive::Point;
             self.style.points = PointStyle {
                 size_px: 1.0,

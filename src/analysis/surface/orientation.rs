@@ -14,14 +14,15 @@
 //! sign relative to the root of its component. Weights are sorted by counting in 1024 steps (an angle of 2.5 degrees is
 //! one step from none), and edges of the first step, nearly all on a smooth surface, need not even be stored.
 //!
-//! The sign of a component is decided where the outside is certain: at its six extreme points along the axes the
-//! surface must face that way.
+//! The sign of a component is decided where the outside is certain: at its six extreme points along the axes a closed
+//! surface must face that way. An open surface has no outside; it turns its convex side out, by all of its points, so
+//! that scans of one scene have the same sign in every frame.
 //!
 //! When it wins: it is exact for closed surfaces that are sampled densely enough for neighbours to lie on one sheet.
 
 use crate::analysis::search::neighbours::Neighbours;
 use crate::analysis::search::point_tree::{LANES, PointTree, SlotPoint};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 /// Turns the normals of consecutive slots to the half-space of `sensor`, in scene units.
@@ -270,45 +271,100 @@ impl SignForest {
     }
 }
 
-/// Below this, the extreme points give only rounding errors: an open sheet seen along its plane.
-const UNDECIDED: f32 = 1e-3;
+/// Agreement of six extreme points, of 6 at most, from which on they decide: a closed surface has nearly all of it, an
+/// open one as much as chance gives.
+const DECISIVE: f32 = 3.0;
 
-/// For each root, whether its component faces inwards at its extreme points.
-///
-/// Components without an inside (a flat sheet along two axes) face the positive side of the last axis they can.
-fn components_facing_inwards(points: &[SlotPoint], resolved: &[Signed], normals: &[Vec3]) -> Vec<bool> {
-    // Smallest and largest point along each axis, by root; a root is a point of its component.
-    let mut extremes: Vec<[[u32; 2]; 3]> = (0..points.len() as u32).map(|slot| [[slot; 2]; 3]).collect();
-    for (sign, slot) in resolved.iter().zip(0u32..) {
-        let extremes = &mut extremes[sign.root as usize];
-        for (axis, [lowest, highest]) in extremes.iter_mut().enumerate() {
-            let coordinate = points[slot as usize].position[axis];
-            if coordinate < points[*lowest as usize].position[axis] {
+/// Mean distance along the normals from the centroid, in diagonals of the box, from which on a surface is bent rather
+/// than flat and noisy.
+const BENT: f64 = 0.01;
+
+/// Share of a unit normal along an axis that is certain.
+const CERTAIN: f64 = 0.1;
+
+/// Sums over the points of a component, which decide its sign.
+#[derive(Debug, Clone, Default)]
+struct Component {
+    /// Smallest and largest point along each axis.
+    extremes: [[u32; 2]; 3],
+    count: f64,
+    position_sum: DVec3,
+    normal_sum: DVec3,
+    /// Of positions times normals.
+    product_sum: f64,
+}
+
+impl Component {
+    fn add(&mut self, slot: u32, points: &[SlotPoint], normal: Vec3) {
+        let position = points[slot as usize].position;
+        if self.count == 0.0 {
+            self.extremes = [[slot; 2]; 3];
+        }
+        for (axis, [lowest, highest]) in self.extremes.iter_mut().enumerate() {
+            if position[axis] < points[*lowest as usize].position[axis] {
                 *lowest = slot;
             }
-            if coordinate > points[*highest as usize].position[axis] {
+            if position[axis] > points[*highest as usize].position[axis] {
                 *highest = slot;
             }
         }
+        self.count += 1.0;
+        self.position_sum += position.as_dvec3();
+        self.normal_sum += normal.as_dvec3();
+        self.product_sum += position.as_dvec3().dot(normal.as_dvec3());
     }
-    extremes
+
+    /// Returns true if the component faces inwards.
+    fn faces_inwards(&self, points: &[SlotPoint], normals: &[Vec3]) -> bool {
+        let extremes = [0, 1, 2].map(|axis| self.extremes[axis].map(|slot| slot as usize));
+        let outwards: f32 = (0..3)
+            .map(|axis| {
+                let [lowest, highest] = extremes[axis].map(|slot| normals[slot][axis]);
+                highest - lowest
+            })
+            .sum();
+        if outwards.abs() >= DECISIVE {
+            return outwards < 0.0;
+        }
+        let edges = [0, 1, 2].map(|axis| {
+            let [lowest, highest] = extremes[axis].map(|slot| f64::from(points[slot].position[axis]));
+            highest - lowest
+        });
+        let bulge = self.product_sum - self.position_sum.dot(self.normal_sum) / self.count;
+        if bulge.abs() > BENT * DVec3::from(edges).length() * self.count {
+            return bulge < 0.0;
+        }
+        let [x, y, z] = (self.normal_sum / self.count).to_array();
+        [z, y, x]
+            .into_iter()
+            .find(|component| component.abs() > CERTAIN)
+            .is_some_and(|component| component < 0.0)
+    }
+}
+
+/// For each root, whether its component faces inwards.
+///
+/// A closed surface faces outwards at its extreme points. An open one, as a scan of the ground and the walls around the
+/// sensor, turns the convex side of the whole out: the sign of the volume between it and its centroid, which does not
+/// change from frame to frame as a few extreme points do. A flat one faces the positive side of the last axis it can.
+fn components_facing_inwards(points: &[SlotPoint], resolved: &[Signed], normals: &[Vec3]) -> Vec<bool> {
+    let mut places = vec![u32::MAX; points.len()];
+    let mut components: Vec<Component> = Vec::new();
+    for ((sign, normal), slot) in resolved.iter().zip(normals).zip(0u32..) {
+        let place = &mut places[sign.root as usize];
+        if *place == u32::MAX {
+            *place = components.len() as u32;
+            components.push(Component::default());
+        }
+        components[*place as usize].add(slot, points, *normal);
+    }
+    let inwards: Vec<bool> = components
         .iter()
-        .zip(normals)
-        .map(|(extremes, root_normal)| {
-            let outwards: f32 = (0..3)
-                .map(|axis| {
-                    let [lowest, highest] = extremes[axis].map(|slot| normals[slot as usize][axis]);
-                    highest - lowest
-                })
-                .sum();
-            if outwards.abs() > UNDECIDED {
-                return outwards < 0.0;
-            }
-            let [x, y, z] = root_normal.to_array();
-            [z, y, x]
-                .into_iter()
-                .find(|component| component.abs() > UNDECIDED)
-                .is_some_and(|component| component < 0.0)
-        })
+        .map(|component| component.faces_inwards(points, normals))
+        .collect();
+    // Only roots have a place.
+    places
+        .into_iter()
+        .map(|place| inwards.get(place as usize).copied().unwrap_or(false))
         .collect()
 }

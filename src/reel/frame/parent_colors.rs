@@ -1,31 +1,27 @@
 //! Choice of the colours of nodes that have children, by the bytes that both take.
 
 use super::code::color_bytes;
-use super::inter::follows;
 use super::prepare::{GroupPlan, prepare};
 use super::schema::{Schema, Values};
 use crate::cloud::RawCloud;
 use crate::reel::parent_level::ParentValue;
+use std::ops::Range;
 
 /// Colours of first children have to save this share of the bytes, and this number: coarse levels look better as means.
 const MIN_SAVED_SHARE: f64 = 0.1;
 const MIN_SAVED_BYTES: usize = 1 << 10;
 
-/// Chooses for a group, by the first of its frames that has colours.
-pub(in crate::reel) fn choose_parent_colors(plan: &mut GroupPlan, clouds: &[&RawCloud]) {
+/// Chooses for a group, by the first of its frames that has colours. Frames of a run may be encoded relative to its
+/// first.
+pub(in crate::reel) fn choose_parent_colors(plan: &mut GroupPlan, clouds: &[&RawCloud], runs: &[Range<usize>]) {
     let has_choice = |schema: &Schema| schema.color_step > 0;
     let Some(frame) = plan.schemas.iter().position(has_choice) else {
         return;
     };
     // Changes of moved frames are predicted as if those of parents were means.
-    let changes = |pair: &[usize; 2]| {
-        let [before, now] = pair.map(|index| &clouds[index].attributes.colors);
-        before != now && follows(plan, clouds, pair[0], pair[1])
-    };
-    if (1..clouds.len())
-        .map(|index| [index - 1, index])
-        .any(|pair| changes(&pair))
-    {
+    let colors = |index: usize| &clouds[index].attributes.colors;
+    let changes = |run: &Range<usize>| (run.start + 1..run.end).any(|index| colors(index - 1) != colors(index));
+    if runs.iter().any(changes) {
         return;
     }
     let own = plan.schemas[frame].clone();

@@ -169,12 +169,16 @@ pub(super) fn encode(schema: &Schema, grid: &Grid, pose: &mut Pose, sizes: Sizes
 
 /// Returns the number of bytes that the colours of a pose take, of a schema with no other attribute.
 pub(super) fn color_bytes(schema: &Schema, pose: &mut Pose, sizes: Sizes<'_>) -> usize {
-    let direction = Encoding {
-        parts: symbol_parts(schema),
+    let parts = symbol_parts(schema);
+    let first_part = parts.iter().take_while(|part| part.kind != StreamKind::Color).count();
+    let direction = Encoding { parts };
+    let coded = if schema.is_flat {
+        code_flat(&direction, first_part, schema, pose, sizes).map(|(written, _)| written)
+    } else {
+        code_values(&direction, first_part, schema, pose, sizes)
     };
     // An encoder never fails.
-    let coded = code_values(&direction, 0, schema, pose, sizes).unwrap_or_default();
-    coded.iter().flatten().map(Vec::len).sum()
+    coded.unwrap_or_default().iter().flatten().map(Vec::len).sum()
 }
 
 /// Reads a pose allocated for these sections.

@@ -91,6 +91,7 @@ fn mutated_files_with_valid_checksums_are_rejected_or_drawn() {
         coding: Coding::Fast,
         ..ReelOptions::default()
     };
+    let fast_patchwork = fast.clone();
     let mut random = Random(7);
     let mut decoded = 0;
     for (frames, options, mutations, expected_colors) in [
@@ -102,6 +103,12 @@ fn mutated_files_with_valid_checksums_are_rejected_or_drawn() {
         (
             frames(&|time| patchwork(10_000, time)),
             ReelOptions::default(),
+            30,
+            ParentValue::FirstChild,
+        ),
+        (
+            frames(&|time| patchwork(10_000, time)),
+            fast_patchwork,
             30,
             ParentValue::FirstChild,
         ),

@@ -1,11 +1,11 @@
 //! Colours of nodes that have children: means, or those of first children.
 
 use super::clouds::{decoded, file_of, open, patchwork, surface};
-use crate::cloud::RawCloud;
+use crate::cloud::{Positions, RawCloud};
 use crate::reel::encode::{NewFrame, encode_group};
 use crate::reel::parent_level::ParentValue;
 use crate::reel::{Coding, Precision, ReelOptions};
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 const COUNT: usize = 40_000;
 
@@ -71,9 +71,50 @@ fn followed_points_that_change_their_colors_have_means() {
     for color in changed[1].attributes.colors.iter_mut().flatten().step_by(3) {
         color[0] ^= 64;
     }
-    for options in [ReelOptions::default(), ReelOptions::merged()] {
-        assert_eq!(chosen(&clouds, &options), ParentValue::FirstChild);
-        assert_eq!(chosen(&changed, &options), ParentValue::Mean);
+    for options in kinds(2) {
+        assert_eq!(chosen(&clouds, &options), ParentValue::FirstChild, "{options:?}");
+        // Frames that are never encoded relative to others have nothing to follow.
+        let expected = if options.may_follow() {
+            ParentValue::Mean
+        } else {
+            ParentValue::FirstChild
+        };
+        assert_eq!(chosen(&changed, &options), expected, "{options:?}");
+    }
+}
+
+#[test]
+fn colors_are_those_of_the_input() {
+    let cloud = patchwork(COUNT, 0.0);
+    let Positions::F32(positions) = &cloud.positions else {
+        panic!("other positions")
+    };
+    let bits = |position: &[f32; 3]| position.map(f32::to_bits);
+    let colors: HashMap<[u32; 3], [u8; 4]> = positions
+        .iter()
+        .map(bits)
+        .zip(cloud.attributes.colors.iter().flatten().copied())
+        .collect();
+    for error in [0, 3] {
+        for coding in [Coding::Compact, Coding::Fast] {
+            let options = ReelOptions {
+                coding,
+                color_error: error,
+                ..ReelOptions::lossless()
+            };
+            assert_eq!(chosen(std::slice::from_ref(&cloud), &options), ParentValue::FirstChild);
+            let bytes = file_of(std::slice::from_ref(&cloud), &options);
+            let read = decoded(&bytes, 0, usize::MAX).cloud;
+            let Positions::F32(positions) = &read.positions else {
+                panic!("other positions")
+            };
+            assert_eq!(positions.len(), COUNT);
+            for (position, color) in positions.iter().zip(read.attributes.colors.iter().flatten()) {
+                let given = colors[&bits(position)];
+                let is_near = given.iter().zip(color).all(|(given, is)| given.abs_diff(*is) <= error);
+                assert!(is_near, "{coding:?}, {error}: {given:?} became {color:?}");
+            }
+        }
     }
 }
 

@@ -78,7 +78,10 @@ fn group_of(bytes: &[u8]) -> Vec<u8> {
 }
 
 /// Bytes and CRC of the group of [`patches`]: colours of first children.
-const OF_PATCHES: [(Coding, usize, u32); 2] = [(Coding::Compact, 0, 0), (Coding::Fast, 0, 0)];
+const OF_PATCHES: [(Coding, usize, u32); 2] = [
+    (Coding::Compact, 16_210, 3_062_416_815),
+    (Coding::Fast, 18_819, 214_070_945),
+];
 
 /// Voxels of a rough plane in patches of four colours: large enough for colours of first children, and whole numbers,
 /// which are the same on every machine.

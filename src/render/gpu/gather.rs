@@ -86,9 +86,10 @@ impl Gatherer {
         }
     }
 
-    /// Discards the gathered records: another strategy lays them out differently.
+    /// Discards the gathered records, which another strategy lays out differently, and all buffers: some may be invalid
+    /// after a failed allocation.
     pub(super) fn clear(&mut self) {
-        self.gathered = None;
+        (self.gathered, self.places) = (None, None);
     }
 
     /// Uploads the selection of records, and allocates space for them. Returns the bytes uploaded.

@@ -263,10 +263,10 @@ shared_struct! {
         first: u32,
         /// Number of records of the chunk.
         count: u32,
-        /// Padding.
-        unused_a: u32,
-        /// Padding.
-        unused_b: u32,
+        /// Boolean: drawn nodes whose own normal faces away are not drawn either.
+        culls_by_own_normals: u32,
+        /// Nodes of the level, which its queue has no more of.
+        max_queued: u32,
     }
 }
 
@@ -289,6 +289,7 @@ impl Expanding {
             deepest_level,
             reach_radii: view.reach_radii,
             culls_back_faces: view.culls_back_faces.into(),
+            culls_by_own_normals: view.culls_by_own_normals.into(),
             normal_shift: FINEST_NORMAL_BITS - view.normal_bits,
             ranks_start,
             attributes_start,
@@ -300,6 +301,7 @@ impl Expanding {
             .map(|(level, reach)| Self {
                 level,
                 reach,
+                max_queued: cloud.level(level).len() as u32,
                 ..of_view
             })
             .collect()

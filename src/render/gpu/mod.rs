@@ -36,6 +36,7 @@ mod shader_library;
 mod shader_reload;
 pub mod shaders;
 mod stereo;
+mod streams;
 pub(in crate::render) mod targets;
 mod textures;
 mod timer;

@@ -1,11 +1,11 @@
 //! [`GpuRenderer`]: holds the state shared by images, and makes the next one from a packet.
 
-use super::coded::{self, CodeExpander};
+use super::coded::CodeExpander;
 use super::context::Context;
 use super::depth_images::DepthMaker;
-use super::gather::{Gatherer, Selected};
+use super::gather::Gatherer;
 use super::gpu_data::ViewUniform;
-use super::instancing::{self, Chunk, Draw, Indexed, Instancing, RECORD_BYTES, RecordInstancing, Stream};
+use super::instancing::{self, Draw, Indexed, Instancing, RecordInstancing};
 use super::passes::Pipelines;
 use super::photos::PhotoTextures;
 use super::picture::Recorder;
@@ -13,11 +13,12 @@ use super::plan::{Plan, VIEWS};
 use super::primitives;
 use super::readback::read_color;
 use super::recording::Recording;
-use super::residency::{RecordSource, Residency, StreamContents};
+use super::residency::RecordSource;
+use super::streams::{Streams, UploadBy};
 use super::targets::{Precision, SizesPx, Targets};
 use super::timer::{GpuTimes, Timer};
 use super::uniforms::PartUniforms;
-use super::visible::{CULL_PASS, NORMALS_PASS, VisibleMaker, Wanted};
+use super::visible::{CULL_PASS, NORMALS_PASS, VisibleMaker};
 use crate::render::gathered::Gathered;
 use crate::render::{PassTimes, RenderError, RenderStats, Renderer};
 use crate::rgbd::DepthFrame;
@@ -37,11 +38,7 @@ pub struct GpuRenderer {
     strategy: Strategy,
     instancing: Box<dyn RecordInstancing>,
     indexed: Indexed,
-    residency: Residency,
-    gatherer: Gatherer,
-    visible: VisibleMaker,
-    codes: CodeExpander,
-    depth_images: DepthMaker,
+    streams: Streams,
     /// Most recent timings of culling and normal estimation of an image.
     screen_ms: [Option<f64>; 2],
     makes_surfels: bool,
@@ -97,11 +94,7 @@ impl GpuRenderer {
             strategy,
             instancing: (instancing::row(strategy).open)(&context, &pipelines.view_layout),
             indexed: Indexed::new(&context),
-            residency: Residency::new(DEFAULT_RESIDENT_BUDGET_BYTES),
-            gatherer: Gatherer::new(),
-            visible: VisibleMaker::default(),
-            codes: CodeExpander::default(),
-            depth_images: DepthMaker::default(),
+            streams: Streams::new(DEFAULT_RESIDENT_BUDGET_BYTES),
             screen_ms: [None; 2],
             // lavapipe, two cores, a Redwood frame at 640×480: culling and normals took 108 and 116 ms, the CPU's code
             // 15 and 50 ms. Filters of its depth images: 187 ms (bilateral) instead of 5.7 ms. 51,000 nodes of a byte
@@ -144,7 +137,7 @@ impl GpuRenderer {
     pub fn wait_gpu_ms(&mut self) -> Option<f64> {
         let context = Arc::clone(&self.context);
         // Without timestamps, the number of visible points still has to be waited for.
-        self.depth_images.wait_times(&context).ok()?;
+        self.streams.depth_images.wait_times(&context).ok()?;
         let times = self.timer.as_mut()?.wait(&context)?;
         self.note_screen_times();
         times.total_ms
@@ -158,16 +151,14 @@ impl GpuRenderer {
         if !is_here || !self.context.has_timestamps {
             return Ok(None);
         }
-        let Self {
-            context, depth_images, ..
-        } = self;
+        let Self { context, streams, .. } = self;
         let images = PointImages {
             frame: Arc::clone(frame),
             origin: Vec3::ZERO,
             one_color: None,
         };
-        context.catching_out_of_memory("the depth image", || depth_images.make(context, &images))?;
-        depth_images.wait_times(context).map(Some)
+        context.catching_out_of_memory("the depth image", || streams.depth_images.make(context, &images))?;
+        streams.depth_images.wait_times(context).map(Some)
     }
 
     /// Records the times of culling and normals, if the last measured image has them: one that is drawn again does not.
@@ -187,7 +178,11 @@ impl GpuRenderer {
     /// Returns the statistics of screen-space normals, if the last image has such and they were computed here.
     fn screen_stats(&self) -> Option<ScreenStats> {
         let drawn = &self.prepared.as_ref()?.drawn.content;
-        let count = self.visible.count().filter(|_| matches!(drawn, Content::Visible(_)))?;
+        let count = self
+            .streams
+            .visible
+            .count()
+            .filter(|_| matches!(drawn, Content::Visible(_)))?;
         let [cull_ms, normals_ms] = self.screen_ms;
         Some(ScreenStats {
             points: count.points,
@@ -201,7 +196,7 @@ impl GpuRenderer {
     /// Sets how many bytes of points and voxels stay on the GPU for images to come. Those of the image being drawn stay
     /// regardless of the budget.
     pub fn set_resident_budget_bytes(&mut self, budget_bytes: u64) {
-        self.residency.set_budget_bytes(budget_bytes);
+        self.streams.residency.set_budget_bytes(budget_bytes);
     }
 
     /// Sets if screen-space surfels, and those of byte codes, are made by the adapter, rather than by the CPU and
@@ -233,6 +228,7 @@ impl GpuRenderer {
     /// Discards the drawn image, so that the same packet is drawn again, for benchmarks.
     pub fn invalidate(&mut self) {
         self.drawn = None;
+        self.streams.invalidate();
     }
 
     /// Returns the packet as it is drawn. Nodes that cannot all be resident are gathered here, and surfels that the
@@ -252,7 +248,7 @@ impl GpuRenderer {
         let streams = primitives::drawable(&drawn).streams;
         let mut sizes = streams.iter().map(RecordSource::record_bytes);
         let are_bindable = sizes.clone().all(|bytes| Gatherer::can_hold(&self.context, bytes));
-        if are_bindable && sizes.by_ref().sum::<usize>() as u64 <= self.residency.budget_bytes() {
+        if are_bindable && sizes.by_ref().sum::<usize>() as u64 <= self.streams.residency.budget_bytes() {
             return drawn;
         }
         drop(streams);
@@ -267,19 +263,9 @@ impl GpuRenderer {
             timer.begin(&self.context);
         }
         self.note_screen_times();
-        if plan.drawable.selection.is_some() {
-            let mut recording = Recording::new(&self.context, &mut encoder, self.timer.as_mut());
-            self.stats.passes += self.gatherer.record(&mut recording, &self.residency);
-        }
-        if plan.drawable.visible.is_some() {
-            let mut recording = Recording::new(&self.context, &mut encoder, self.timer.as_mut());
-            self.stats.passes += self.visible.record(&mut recording, &self.residency);
-        }
-        if plan.drawable.code.is_some() {
-            let mut recording = Recording::new(&self.context, &mut encoder, self.timer.as_mut());
-            self.stats.passes += self.codes.record(&mut recording, &self.residency);
-        }
-        let streams = streams_of(&plan, &self.residency, &self.gatherer, &self.visible, &self.codes);
+        let mut recording = Recording::new(&self.context, &mut encoder, self.timer.as_mut());
+        self.stats.passes += self.streams.record(&mut recording, &plan);
+        let streams = self.streams.drawn(&plan);
         let draw = Draw {
             streams: &streams,
             amplification: plan.drawable.amplification,
@@ -372,28 +358,20 @@ impl GpuRenderer {
     /// Uploads the streams that `plan` draws and that are not resident; keeps the residency within its budget. If they
     /// do not fit into the memory of the GPU, everything else is evicted.
     fn ensure_streams(&mut self, plan: &Plan<'_>) -> Result<(), RenderError> {
-        let has_others = self.residency.resident_bytes() > 0;
+        let has_others = self.streams.residency.resident_bytes() > 0;
         let mut result = self.upload_streams(plan);
         if has_others && matches!(result, Err(RenderError::OutOfMemory { .. })) {
             log::warn!("the GPU is out of memory: frames that were cached there are evicted");
-            self.clear_streams();
+            self.streams.clear();
             result = self.upload_streams(plan);
         }
         if result.is_err() {
             // Buffers derived from the streams cannot be drawn.
-            self.clear_streams();
+            self.streams.clear();
         }
-        self.residency.trim(&plan.stream_keys());
-        self.stats.resident_bytes = self.residency.resident_bytes();
+        self.streams.residency.trim(&plan.stream_keys());
+        self.stats.resident_bytes = self.streams.residency.resident_bytes();
         result
-    }
-
-    /// Drops everything on the GPU that is drawn, or made to be drawn.
-    fn clear_streams(&mut self) {
-        self.residency.clear();
-        self.gatherer.clear();
-        self.visible.clear();
-        self.codes.clear();
     }
 
     fn upload_streams(&mut self, plan: &Plan<'_>) -> Result<(), RenderError> {
@@ -401,72 +379,23 @@ impl GpuRenderer {
             context,
             instancing,
             indexed,
-            residency,
-            gatherer,
-            visible: maker,
-            codes,
-            depth_images,
+            streams,
             stats,
             ..
         } = self;
-        let chunked_for = plan.drawable.chunked_for;
-        context.catching_out_of_memory("the cloud", || {
-            for records in &plan.drawable.streams {
-                let mut of_images = None;
-                let resident_bytes = residency.ensure(records, |contents| match contents {
-                    StreamContents::Records(bytes) => {
-                        instancing::upload(instancing.as_ref(), context, chunked_for, bytes)
-                    }
-                    StreamContents::Nodes(bytes) => Gatherer::upload_nodes(context, bytes),
-                    StreamContents::Mesh(mesh) => indexed.upload(context, chunked_for, mesh),
-                    StreamContents::Images(images) => {
-                        let made = of_images.insert(depth_images.make(context, images));
-                        Stream {
-                            byte_size: u64::from(made.count) * RECORD_BYTES as u64,
-                            chunks: vec![Chunk::to_gather_from(made.count, made.buffer.clone())],
-                        }
-                    }
-                    StreamContents::Code(cloud) => CodeExpander::upload(context, cloud),
-                });
-                // Images take fewer bytes than the points made from them.
-                let uploaded_bytes = of_images.as_ref().map_or(resident_bytes, |made| made.uploaded_bytes);
-                stats.passes += of_images.map_or(0, |made| made.passes);
-                stats.uploads += u64::from(uploaded_bytes > 0);
-                stats.uploaded_bytes += uploaded_bytes;
-            }
-            if let Some(selection) = plan.drawable.selection {
-                let selected = Selected {
-                    selection,
-                    nodes: &plan.stream_keys(),
-                    chunked_for,
-                };
-                let uploaded_bytes = gatherer.ensure(context, instancing.as_ref(), selected);
-                stats.uploads += u64::from(uploaded_bytes > 0);
-                stats.uploaded_bytes += uploaded_bytes;
-            }
-            if let (Some(visible), Some(points)) = (plan.drawable.visible, plan.drawable.streams.first()) {
-                let wanted = Wanted {
-                    visible,
-                    points: points.key(),
-                    chunked_for,
-                };
-                maker.ensure(context, instancing.as_ref(), wanted);
-            }
-            if let (Some(code), Some(stream)) = (plan.drawable.code, plan.drawable.streams.first()) {
-                let wanted = coded::Wanted {
-                    code,
-                    stream: stream.key(),
-                    chunked_for,
-                };
-                codes.ensure(context, instancing.as_ref(), wanted);
-            }
-        })
+        let by = UploadBy {
+            context,
+            instancing: instancing.as_ref(),
+            indexed,
+        };
+        context.catching_out_of_memory("the cloud", || streams.upload(by, plan, stats))
     }
 
     fn ensure_quad_indices(&mut self, plan: &Plan<'_>) -> Result<(), RenderError> {
         let amplification = plan.drawable.amplification;
         let instancing = instancing_of(plan, self.instancing.as_mut(), &mut self.indexed);
-        let quads = streams_of(plan, &self.residency, &self.gatherer, &self.visible, &self.codes)
+        let streams = self.streams.drawn(plan);
+        let quads = streams
             .into_iter()
             .flat_map(|stream| &stream.chunks)
             .map(|chunk| instancing.quads_per_draw(chunk.record_count, amplification))
@@ -504,7 +433,7 @@ impl Renderer for GpuRenderer {
         self.ensure_targets(sizes_px, plan.precision)?;
         let strategy = packet.style.drawing.strategy;
         if self.strategy != strategy {
-            self.clear_streams();
+            self.streams.clear();
             self.instancing = (instancing::row(strategy).open)(&self.context, &self.pipelines.view_layout);
             self.strategy = strategy;
         }
@@ -556,7 +485,7 @@ impl Renderer for GpuRenderer {
         RenderStats {
             gpu_ms: total_ms,
             gpu_passes: passes,
-            image_passes: self.depth_images.times(),
+            image_passes: self.streams.depth_images.times(),
             screen: self.screen_stats(),
             ..self.stats
         }
@@ -575,27 +504,6 @@ fn instancing_of<'a>(
     } else {
         of_strategy
     }
-}
-
-/// Returns the streams that a plan draws, as far as they are resident.
-fn streams_of<'a>(
-    plan: &Plan<'_>,
-    residency: &'a Residency,
-    gatherer: &'a Gatherer,
-    visible: &'a VisibleMaker,
-    codes: &'a CodeExpander,
-) -> Vec<&'a Stream> {
-    if plan.drawable.selection.is_some() {
-        return gatherer.streams();
-    }
-    if plan.drawable.visible.is_some() {
-        return visible.streams();
-    }
-    if plan.drawable.code.is_some() {
-        return codes.streams();
-    }
-    let keys = plan.stream_keys();
-    keys.into_iter().filter_map(|key| residency.get(key)).collect()
 }
 
 /// Indices 0 1 2 2 1 3, 4 5 6 6 5 7, … of `quads` quads.

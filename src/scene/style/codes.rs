@@ -5,11 +5,11 @@ use super::describe::{Label, Numbers, Place, Section, Typed, Values, group};
 
 choices! {
     /// Footprint shape of surfels, and what they are drawn from. Effective in the splatting modes that begin with a
-    /// visibility pass. GPUs decode the nodes of the byte code, and draw exact disks of them in place of masks.
+    /// visibility pass. GPUs decode the nodes of the byte code, and draw exact disks of them instead of masks.
     Footprint, "footprint" {
         Disks = "disks", "Exact disks", "Pixel by pixel, from the records of the points";
         /// Masks are worked out once for quantised normals (Botsch et al. 2002 §5.2).
-        Masks = "masks", "Masks", "Looked up by normal, place and size, from the byte code of the octree; disks on a GPU";
+        Masks = "masks", "Masks", "Looked up by normal, place and size, from the octree's byte code; disks on a GPU";
         /// Botsch et al. 2002 §4.
         Pixels = "pixels", "Pixels", "One for each cell, from the byte code of the octree";
     }
@@ -68,7 +68,7 @@ group! {
             help: "Footprint of surfels: exact disks, or masks or pixels from byte codes",
             title: "Footprint",
             hint: "Exact disks of all points, or masks or pixels of the nodes of the octree's byte code. A GPU draws \
-                   disks in place of masks",
+                   disks instead of masks",
             section: Section::Footprints,
             when: |drawn| drawn.draws_surfels(),
             label: Label::Unusual(Place::What, "of {}"),
@@ -107,8 +107,8 @@ group! {
             value_name: "N",
             help: "Nodes of a byte code that are culled and decoded together (CPU)",
             title: "Block size",
-            hint: "Nodes of the byte code that the CPU renderer culls and decodes together, on average. A block is drawn \
-                   on one level, that of its nearest corner",
+            hint: "Nodes of the byte code that the CPU renderer culls and decodes together, on average. A block is \
+                   drawn on one level, that of its nearest corner",
             section: Section::Footprints,
             when: |drawn| drawn.asks_for_codes() && !drawn.is_drawn_on_gpu(),
             label: Label::Unusual(Place::What, "blocks of {}"),

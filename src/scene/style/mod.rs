@@ -264,6 +264,11 @@ impl<C: Copy> Style<C> {
         self.primitive != Primitive::Point && self.surfels.back_faces == BackFaces::Culled
     }
 
+    /// Returns true if the nodes of byte codes are drawn as pixels.
+    pub fn has_coded_pixels(&self) -> bool {
+        self.codes.footprint == Footprint::Pixels
+    }
+
     /// Returns true if lighting shows which side of a surfel is seen.
     pub fn darkens_back_faces(&self) -> bool {
         self.surfels.back_faces == BackFaces::Darker && self.light.lighting != Lighting::Unlit
@@ -385,13 +390,13 @@ impl<C: Copy> Style<C> {
     }
 
     /// Returns true if surfels are drawn from the byte code of an octree; [`LevelStyle::lod`] controls how finely.
-    /// While something is clipped the same surfels are drawn as disks: a code cannot be cut.
+    /// While something is clipped all points are drawn as disks: a code cannot be cut.
     pub fn draws_codes(&self) -> bool {
         self.has_footprints() && self.codes.footprint != Footprint::Disks
     }
 
-    /// Returns true if [`CodeStyle::footprint`] has an effect. Byte codes are not drawn with deferred shading, as a code
-    /// is lit by a table of normals, nor as ellipses, sprites, filtered splats or with other kernels.
+    /// Returns true if [`CodeStyle::footprint`] has an effect. Byte codes are not drawn with deferred shading, as a
+    /// code is lit by a table of normals, nor as ellipses, sprites, filtered splats or with other kernels.
     pub fn has_footprints(&self) -> bool {
         self.draws_surfels()
             && !self.filters_splats()

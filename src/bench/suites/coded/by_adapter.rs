@@ -20,7 +20,7 @@ enum Mode {
     Records,
     /// Nodes that compute passes find and decode.
     Compute,
-    /// The same nodes, found and decoded by the CPU, and uploaded.
+    /// Those nodes, found and decoded by the CPU, and uploaded.
     Uploaded,
     /// Nodes by compute passes, a pixel each.
     Pixels,

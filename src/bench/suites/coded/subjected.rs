@@ -7,7 +7,7 @@ use crate::scene::{Footprint, Lighting, RendererChoice, ScenePacket, Style};
 use crate::sequence::PreparedFrame;
 use std::sync::Arc;
 
-/// Byte codes are drawn by the CPU alone.
+/// Drawn by the CPU, from the byte code.
 pub(super) fn style() -> Style {
     Style::default().with(|style| {
         style.drawing.renderer = RendererChoice::Cpu;

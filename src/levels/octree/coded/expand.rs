@@ -6,8 +6,8 @@
 //! `coded/expand.wgsl` has the same rule). The drawn nodes are in the order of their levels, and in Morton order on
 //! each level.
 //!
-//! The rule is that of the CPU renderer's blocks where each block is a node, but for whole spheres around cells in place
-//! of boxes.
+//! The rule is that of the CPU renderer's blocks where each block is a node, but with spheres around cells instead of
+//! boxes.
 
 use super::attributes::cone_of_code;
 use super::{CodedCloud, LARGEST_OFFSET, NodeAttributes, offset_of_code, radius_of_code};
@@ -35,6 +35,9 @@ pub struct CodeView {
     pub deepest_level: u32,
     /// Nodes whose normals all face away are dropped.
     pub culls_back_faces: bool,
+    /// Drawn nodes whose own normal faces away are dropped too. A rasteriser culls the back faces of disks, but pixels
+    /// have none.
+    pub culls_by_own_normals: bool,
     /// Reach of a splat in its radii.
     pub reach_radii: f32,
     /// Bits of normals that are used.
@@ -84,6 +87,10 @@ impl CodeView {
         quantised_normals(self.normal_bits)
     }
 
+    fn normal_of(&self, attributes: NodeAttributes) -> Vec3 {
+        self.normals()[coarser_normal(attributes.normal(), self.normal_bits) as usize]
+    }
+
     fn offset_from_eye(&self, position: Vec3) -> Vec3 {
         (position - self.eye_high) - self.eye_low
     }
@@ -126,7 +133,8 @@ impl CodedCloud {
                     continue;
                 }
                 if level >= deepest || view.is_small(offset, edge) {
-                    drawn.push(node);
+                    let faces = !view.culls_by_own_normals || view.normal_of(attributes).dot(offset) <= 0.0;
+                    drawn.extend(faces.then_some(node));
                 } else {
                     next.extend(self.children(node));
                 }
@@ -187,8 +195,7 @@ fn faces_away(attributes: NodeAttributes, offset: Vec3, radius: f32, view: &Code
     // Of the angle between the directions to the centre and to the border of the sphere.
     let border_sine = radius / distance;
     let border_cosine = (1.0 - border_sine * border_sine).sqrt();
-    let normal = quantised_normals(view.normal_bits)[coarser_normal(attributes.normal(), view.normal_bits) as usize];
-    let facing = normal.dot(offset) / distance;
+    let facing = view.normal_of(attributes).dot(offset) / distance;
     // Opening below 90°, and the normal farther from the plane across the view than that.
     cosine * border_cosine > sine * border_sine && facing > sine * border_cosine + cosine * border_sine
 }

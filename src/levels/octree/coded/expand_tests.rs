@@ -47,6 +47,7 @@ fn view(eye: Vec3, target: Vec3, lod_px: f32, culls_back_faces: bool) -> CodeVie
         lod_px,
         deepest_level: u32::MAX,
         culls_back_faces,
+        culls_by_own_normals: false,
         reach_radii: 1.5,
         normal_bits: 17,
         offset_bits: 3,
@@ -71,11 +72,12 @@ proptest! {
         target in prop::array::uniform3(-0.5f32..0.5),
         lod_px in prop::sample::select(vec![0.0f32, 2.0, 30.0, 1e6]),
         culls: bool,
+        normal_bits in prop::sample::select(vec![13u32, 15, 17]),
     ) {
         let (eye, target) = (Vec3::from(eye), Vec3::from(target));
         prop_assume!((eye - target).length() > 0.1);
         let cloud = cloud_of(seed, count, is_closed);
-        let view = view(eye, target, lod_px, culls);
+        let view = CodeView { normal_bits, ..view(eye, target, lod_px, culls) };
         let drawn = cloud.drawn_nodes(&view);
         let leaves = cloud.level(cloud.depth());
         let mut is_covered = vec![false; leaves.len()];
@@ -97,9 +99,10 @@ proptest! {
         let cells = cloud.cells(cloud.depth());
         for (cell, leaf) in cells.into_iter().zip(leaves.clone()) {
             let node = CodeNode { number: leaf as u32, level: cloud.depth(), cell };
-            let (point, shape) = cloud.surfel(node, 17, 3);
+            let (point, shape) = cloud.surfel(node, normal_bits, 3);
             let offset = Vec3::from(point.position) - eye;
-            let is_inside = view.sides.iter().all(|side| side.dot(offset) > 0.0) && offset.dot(view.forward) > view.near;
+            let is_between = view.sides.iter().all(|side| side.dot(offset) > 0.0);
+            let is_inside = is_between && offset.dot(view.forward) > view.near;
             let faces = crate::cloud::oct_decode(shape.normal).dot(offset) < 0.0;
             if is_inside && (faces || !culls) {
                 prop_assert!(is_covered[leaf - leaves.start], "leaf {leaf} is missing");
@@ -115,11 +118,28 @@ fn nothing_behind_the_eye_and_nothing_that_faces_away_is_drawn() {
     assert!(!patch.drawn_nodes(&view(front, Vec3::ZERO, 0.0, true)).is_empty());
     assert_eq!(patch.drawn_nodes(&view(front, 2.0 * front, 0.0, false)), []);
     assert_eq!(patch.drawn_nodes(&view(back, Vec3::ZERO, 0.0, true)), []);
-    // About half of a closed surface.
+    // About half of a closed surface; by their own normals, exactly the nodes that face the eye.
     let ball = cloud_of(2, 3000, true);
-    let all = ball.drawn_nodes(&view(front, Vec3::ZERO, 0.0, false)).len();
+    let whole = view(front, Vec3::ZERO, 0.0, false);
+    let all = ball.drawn_nodes(&whole);
     let facing = ball.drawn_nodes(&view(front, Vec3::ZERO, 0.0, true)).len();
-    assert!((4 * facing..6 * facing).contains(&(2 * all)), "{facing} of {all}");
+    assert!(
+        (4 * facing..6 * facing).contains(&(2 * all.len())),
+        "{facing} of {}",
+        all.len()
+    );
+    let by_own_normals = CodeView {
+        culls_back_faces: true,
+        culls_by_own_normals: true,
+        ..whole
+    };
+    let faces = |node: &&CodeNode| {
+        let center = ball.cube().cell_center(node.level, node.cell);
+        crate::cloud::oct_decode(ball.surfel(**node, 17, 3).1.normal).dot(center - front) < -1e-3
+    };
+    let found = ball.drawn_nodes(&by_own_normals);
+    assert!(all.iter().filter(faces).all(|node| found.contains(node)));
+    assert!(found.len() < facing && found.len() <= all.iter().filter(faces).count() + 10);
 }
 
 #[test]

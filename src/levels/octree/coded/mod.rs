@@ -243,7 +243,7 @@ impl CodedCloud {
         words.chain(attributes.iter().copied()).collect()
     }
 
-    /// Where the numbers of bits and the attributes begin in [`CodedCloud::words`], and its length.
+    /// Places of the numbers of bits and of the attributes in [`CodedCloud::words`], and its length.
     pub fn word_starts(&self) -> [usize; 3] {
         let ranks = self.masks.len().div_ceil(4);
         let attributes = ranks + self.bits_before.len();

@@ -11,9 +11,10 @@
 //! The CPU does not learn the number of drawn nodes: there is space for all of the deepest level, and records beyond
 //! the drawn ones have the radius by which `compute` drops them and other strategies draw nothing.
 //!
-//! **When it wins.** A frame takes a quarter of the GPU memory that its records take and is uploaded once for all levels
-//! of detail; a view needs no traversal on the CPU and no upload. What it costs: positions are those of cells, moved
-//! along normals.
+//! **When it wins.** A frame takes a third to a half of the GPU memory that its records take and is uploaded once for
+//! all levels of detail; a view needs no traversal on the CPU and no upload. What it costs: positions are those of
+//! cells, moved along normals; 88 bytes for each node of the deepest level, once, for queues and records; and all of
+//! those records pass the vertex stage, however few nodes are drawn.
 
 mod passes;
 mod record;
@@ -103,9 +104,17 @@ impl CodeExpander {
         }
     }
 
-    /// Discards the records: another strategy lays them out differently.
+    /// Discards the records, which another strategy lays out differently, and all buffers: some may be invalid after a
+    /// failed allocation.
     pub(super) fn clear(&mut self) {
-        self.made = None;
+        (self.made, self.scratch, self.tables) = (None, None, None);
+    }
+
+    /// Makes the records again for the same view, for benchmarks.
+    pub(super) fn invalidate(&mut self) {
+        if let Some(made) = &mut self.made {
+            made.is_outdated = true;
+        }
     }
 
     /// Allocates space for all nodes that the view could show.

@@ -10,7 +10,7 @@ use crate::render::gpu::wgsl::shader_file;
 
 /// The byte code: masks, the numbers of bits before some of these, and attributes.
 pub(super) const CODE: u32 = 1;
-/// What the codes of attributes mean, then the normals ([`tables`]).
+/// Values of the codes of attributes, then the normals ([`tables`]).
 pub(super) const TABLES: u32 = 2;
 /// The nodes of a level that may be seen.
 pub(super) const QUEUE: u32 = 3;

@@ -67,7 +67,7 @@ fn read<T: bytemuck::Pod>(context: &Context, from: &wgpu::Buffer) -> Vec<T> {
     map_and_read(context, &readable, bytemuck::pod_collect_to_vec).unwrap()
 }
 
-/// What the passes make of a code: records in chunks, and the number of drawn nodes.
+/// Output of the passes for a code: records in chunks, and the number of drawn nodes.
 fn made(context: &Context, cells: &CodedCells, view: &CodeView) -> (Vec<PointRecord>, Vec<ShapeRecord>, usize) {
     let nodes = cells.deepest_nodes();
     let code = CodeExpander::upload(context, &cells.cloud);
@@ -178,13 +178,18 @@ fn passes_find_the_same_nodes_as_the_cpu() {
             (Lod::ThresholdPx(12.0), BackFaces::Drawn),
             (Lod::Level(4), BackFaces::Culled),
         ] {
-            for bits in [NormalBits::Thirteen, NormalBits::Seventeen] {
+            for (bits, footprint) in [
+                (NormalBits::Thirteen, Footprint::Masks),
+                (NormalBits::Fifteen, Footprint::Pixels),
+                (NormalBits::Seventeen, Footprint::Masks),
+            ] {
                 let style = style().with(|style| {
+                    style.codes.footprint = footprint;
                     style.levels.lod = lod;
                     style.surfels.back_faces = back_faces;
                     style.codes.normal_bits = bits;
                 });
-                let name = format!("{lod:?}, {back_faces:?}, {bits:?}, {distance} away");
+                let name = format!("{footprint:?}, {lod:?}, {back_faces:?}, {bits:?}, {distance} away");
                 counts.push(agree(
                     &context,
                     &name,
@@ -196,6 +201,23 @@ fn passes_find_the_same_nodes_as_the_cpu() {
     // All leaves, a few large cells, and some of the nodes of a view from within.
     assert!(counts[0] > 10_000, "{counts:?}");
     assert!(counts.iter().any(|&count| (1..100).contains(&count)), "{counts:?}");
+}
+
+/// More nodes than a workgroup has sums of workgroups for: the scan goes round more than once.
+#[test]
+fn large_queues_are_scanned_in_rounds() {
+    let context = Context::headless(&ContextOptions {
+        prefer_software: true,
+        ..ContextOptions::default()
+    });
+    let frame = ball(150_000);
+    let style = style().with(|style| {
+        style.levels.lod = Lod::ThresholdPx(0.0);
+        style.surfels.back_faces = BackFaces::Drawn;
+    });
+    let camera = Camera::framing(&frame.frame.bounds(), DVec3::ZERO, UpAxis::Y);
+    let both = agree(&context.unwrap(), "150,000 points", &packet(&frame, &camera, &style));
+    assert!(both > 256 * 256, "{both}");
 }
 
 #[test]
@@ -211,13 +233,12 @@ fn a_code_of_one_node_and_an_empty_one_can_be_drawn() {
         packet(&frame, &camera, &style())
     };
     let one = packet_of(1);
-    let cells = one.content.coded().unwrap();
-    let (_, _, drawn) = made(&context, cells, &one.code_view(cells));
-    assert_eq!(drawn, 1);
+    assert_eq!(agree(&context, "one node", &one), 1);
     // Without a root there is nothing to traverse.
     let mut renderer = GpuRenderer::new(context).unwrap();
     renderer.set_makes_surfels(true);
     let empty = packet_of(0);
+    assert!(empty.content.coded().is_some());
     let nothing = ScenePacket {
         content: Content::Nothing,
         ..empty.clone()

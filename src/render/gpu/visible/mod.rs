@@ -82,9 +82,10 @@ impl VisibleMaker {
             && sizes_of(visible, &screening(visible)).fit(context)
     }
 
-    /// Discards the records: another strategy lays them out differently.
+    /// Discards the records, which another strategy lays out differently, and all buffers: some may be invalid after a
+    /// failed allocation.
     pub(super) fn clear(&mut self) {
-        self.made = None;
+        (self.made, self.scratch) = (None, None);
     }
 
     /// Uploads the view, and allocates space for all points that it could show.

@@ -3,7 +3,7 @@
 /// Answers of a style to the rows of its own settings. A trait, as rows are parts of the style: naming its type there
 /// would be a circle of imports.
 pub trait Conditions {
-    /// True if surfels are drawn, from byte codes if the CPU draws.
+    /// True if surfels are drawn, from byte codes where the style allows.
     fn asks_for_codes(&self) -> bool;
     /// See `Style::has_visibility_squares`.
     fn has_visibility_squares(&self) -> bool;
