@@ -58,6 +58,7 @@ need_library libwayland-client.so.0 libwayland-client0 "windows on Wayland"
 if [[ $with_tests == yes ]]; then
     need_program Xvfb xvfb "the display of the window test"
     need_program weston weston "its display on Wayland"
+    need_program python3 python3 "the example of a live sender"
 fi
 
 if ((${#missing[@]} == 0)); then

@@ -19,6 +19,7 @@ mod hostile;
 mod memory_limits;
 mod outputs;
 mod pages;
+mod send_depth;
 mod serve;
 mod session_files;
 mod stdout;

@@ -271,13 +271,18 @@ impl SignForest {
     }
 }
 
-/// Agreement of six extreme points, of 6 at most, from which on they decide: a closed surface has nearly all of it, an
-/// open one as much as chance gives.
+/// Agreement of six extreme points, of 6 at most, from which on they decide before all others: a closed surface has
+/// nearly all of it, an open one as much as chance gives. And from which on they decide where nothing else does, as
+/// where an outlier has moved the centroid out of the surface: a flat surface has next to none.
 const DECISIVE: f32 = 3.0;
+const LIKELY: f32 = 1.0;
 
-/// Mean distance along the normals from the centroid, in diagonals of the box, from which on a surface is bent rather
-/// than flat and noisy.
-const BENT: f64 = 0.01;
+/// Share by which normals away from the centroid outnumber those towards it, or the other way round, from which on a
+/// surface is bent rather than flat and noisy.
+const BENT: f64 = 0.1;
+
+/// Share of a direction along a normal below which there is only rounding.
+const UNDECIDED: f64 = 1e-3;
 
 /// Share of a unit normal along an axis that is certain.
 const CERTAIN: f64 = 0.1;
@@ -290,8 +295,8 @@ struct Component {
     count: f64,
     position_sum: DVec3,
     normal_sum: DVec3,
-    /// Of positions times normals.
-    product_sum: f64,
+    /// Normals away from the centroid less those towards it.
+    outwards: f64,
 }
 
 impl Component {
@@ -311,11 +316,19 @@ impl Component {
         self.count += 1.0;
         self.position_sum += position.as_dvec3();
         self.normal_sum += normal.as_dvec3();
-        self.product_sum += position.as_dvec3().dot(normal.as_dvec3());
+    }
+
+    /// Counts a point, once all are added. Votes are equal: an outlier that is joined to a surface does not outweigh it.
+    fn vote(&mut self, position: Vec3, normal: Vec3) {
+        let from_centroid = position.as_dvec3() - self.position_sum / self.count;
+        let along = from_centroid.dot(normal.as_dvec3());
+        if along.abs() > UNDECIDED * from_centroid.length() {
+            self.outwards += along.signum();
+        }
     }
 
     /// Returns true if the component faces inwards.
-    fn faces_inwards(&self, points: &[SlotPoint], normals: &[Vec3]) -> bool {
+    fn faces_inwards(&self, normals: &[Vec3]) -> bool {
         let extremes = [0, 1, 2].map(|axis| self.extremes[axis].map(|slot| slot as usize));
         let outwards: f32 = (0..3)
             .map(|axis| {
@@ -326,13 +339,11 @@ impl Component {
         if outwards.abs() >= DECISIVE {
             return outwards < 0.0;
         }
-        let edges = [0, 1, 2].map(|axis| {
-            let [lowest, highest] = extremes[axis].map(|slot| f64::from(points[slot].position[axis]));
-            highest - lowest
-        });
-        let bulge = self.product_sum - self.position_sum.dot(self.normal_sum) / self.count;
-        if bulge.abs() > BENT * DVec3::from(edges).length() * self.count {
-            return bulge < 0.0;
+        if self.outwards.abs() > BENT * self.count {
+            return self.outwards < 0.0;
+        }
+        if outwards.abs() >= LIKELY {
+            return outwards < 0.0;
         }
         let [x, y, z] = (self.normal_sum / self.count).to_array();
         [z, y, x]
@@ -345,8 +356,8 @@ impl Component {
 /// For each root, whether its component faces inwards.
 ///
 /// A closed surface faces outwards at its extreme points. An open one, as a scan of the ground and the walls around the
-/// sensor, turns the convex side of the whole out: the sign of the volume between it and its centroid, which does not
-/// change from frame to frame as a few extreme points do. A flat one faces the positive side of the last axis it can.
+/// sensor, turns the convex side of the whole out: most normals point away from its centroid, which does not change from
+/// frame to frame as a few extreme points do. A flat one faces the positive side of the last axis it can.
 fn components_facing_inwards(points: &[SlotPoint], resolved: &[Signed], normals: &[Vec3]) -> Vec<bool> {
     let mut places = vec![u32::MAX; points.len()];
     let mut components: Vec<Component> = Vec::new();
@@ -358,9 +369,13 @@ fn components_facing_inwards(points: &[SlotPoint], resolved: &[Signed], normals:
         }
         components[*place as usize].add(slot, points, *normal);
     }
+    for (sign, (point, normal)) in resolved.iter().zip(points.iter().zip(normals)) {
+        let place = places[sign.root as usize];
+        components[place as usize].vote(point.position, *normal);
+    }
     let inwards: Vec<bool> = components
         .iter()
-        .map(|component| component.faces_inwards(points, normals))
+        .map(|component| component.faces_inwards(normals))
         .collect();
     // Only roots have a place.
     places

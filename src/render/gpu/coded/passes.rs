@@ -16,7 +16,7 @@ pub(super) const TABLES: u32 = 2;
 pub(super) const QUEUE: u32 = 3;
 /// The nodes of the next level.
 pub(super) const NEXT_QUEUE: u32 = 4;
-/// Of each node of the queue: its drawn nodes and children, and those before them in the workgroup.
+/// Number of drawn nodes and of children of each node of the queue, and of those before it in the workgroup.
 pub(super) const PLACES: u32 = 5;
 /// Drawn nodes and children of each workgroup, then those of all workgroups before it.
 pub(super) const SUMS: u32 = 6;
