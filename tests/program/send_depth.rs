@@ -38,9 +38,12 @@ fn depth_and_color_images_of_a_python_program_are_drawn() {
         let output = pointreel(&[&["render", &url, "-o", text(&image)], &size[..]].concat());
         assert!(output.status.success(), "{}", stderr(&output));
         let drawn = image::open(&image).unwrap().to_rgb8();
-        let [red, green, blue] = drawn.get_pixel(80, 60).0;
-        assert!(red > green && green > blue, "the ball is orange: {red} {green} {blue}");
-        let [red, _, blue] = drawn.get_pixel(20, 60).0;
-        assert!(red < blue, "the wall is grey");
+        let count = |is_of: fn([u8; 3]) -> bool| drawn.pixels().filter(|pixel| is_of(pixel.0)).count();
+        let of_ball = count(|[red, green, blue]| red > green && green > blue && red > 100);
+        let of_wall = count(|[red, _, blue]| red < blue && red > 50);
+        assert!(
+            of_ball > 1000 && of_wall > 4000,
+            "{of_ball} orange and {of_wall} grey pixels"
+        );
     }
 }

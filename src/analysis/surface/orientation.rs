@@ -318,7 +318,8 @@ impl Component {
         self.normal_sum += normal.as_dvec3();
     }
 
-    /// Counts a point, once all are added. Votes are equal: an outlier that is joined to a surface does not outweigh it.
+    /// Counts a point, once all are added. Votes are equal: an outlier that is joined to a surface does not outweigh
+    /// it.
     fn vote(&mut self, position: Vec3, normal: Vec3) {
         let from_centroid = position.as_dvec3() - self.position_sum / self.count;
         let along = from_centroid.dot(normal.as_dvec3());
@@ -356,8 +357,8 @@ impl Component {
 /// For each root, whether its component faces inwards.
 ///
 /// A closed surface faces outwards at its extreme points. An open one, as a scan of the ground and the walls around the
-/// sensor, turns the convex side of the whole out: most normals point away from its centroid, which does not change from
-/// frame to frame as a few extreme points do. A flat one faces the positive side of the last axis it can.
+/// sensor, turns the convex side of the whole out: most normals point away from its centroid, which does not change
+/// from frame to frame as a few extreme points do. A flat one faces the positive side of the last axis it can.
 fn components_facing_inwards(points: &[SlotPoint], resolved: &[Signed], normals: &[Vec3]) -> Vec<bool> {
     let mut places = vec![u32::MAX; points.len()];
     let mut components: Vec<Component> = Vec::new();

@@ -36,7 +36,7 @@ fn ball(count: usize) -> PreparedFrame {
     let mut raw = RawCloud::from_positions(Positions::F32(positions.collect()));
     let color = |index: usize| [index as u8, (index >> 8) as u8, 77, 255];
     raw.attributes.colors = Some((0..count).map(color).collect());
-    raw.attributes.normals = Some(normals.iter().map(|normal| normal.to_array()).collect());
+    raw.attributes.normals = Some(normals.iter().map(Vec3::to_array).collect());
     raw.attributes.radii = Some(vec![0.02; count]);
     let frame = Frame::from_raw(raw, DVec3::ZERO).unwrap();
     prepare(
