@@ -77,6 +77,11 @@ impl GpuRenderer {
         match *self {}
     }
 
+    /// Sets if the adapter makes surfels.
+    pub fn set_makes_surfels(&mut self, _makes_surfels: bool) {
+        match *self {}
+    }
+
     /// Discards the drawn image.
     pub fn invalidate(&mut self) {
         match *self {}

@@ -37,7 +37,9 @@ mod orders;
 mod tests;
 
 pub use attributes::{LARGEST_OFFSET, NodeAttributes};
-pub(crate) use attributes::{NORMAL_MASK, OFFSET_SHIFT, RADIUS_SHIFT, offset_of_code, radius_of_code};
+#[cfg(feature = "gpu")]
+pub(crate) use attributes::{NORMAL_MASK, OFFSET_SHIFT, RADIUS_SHIFT};
+pub(crate) use attributes::{offset_of_code, radius_of_code};
 pub use expand::{CodeNode, CodeView};
 pub use orders::DepthFirstCode;
 
