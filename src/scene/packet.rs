@@ -67,6 +67,7 @@ impl ScenePacket {
     pub fn code_view(&self, cells: &CodedCells) -> CodeView {
         let (view, surfels, codes) = (&self.view, &self.style.surfels, &self.style.codes);
         let [visibility, attribute] = surfels.splatting.scales(surfels.enlargement);
+        let culls_back_faces = surfels.back_faces == BackFaces::Culled;
         let to_corner = std::f32::consts::SQRT_2 * surfels.splat_scale * visibility.max(attribute);
         let [left, right, bottom, top, _] = view.frustum_in_frame().planes().map(Vec4::truncate);
         CodeView {
@@ -79,8 +80,8 @@ impl ScenePacket {
             lod_px: cells.lod_px,
             deepest_level: cells.deepest_level,
             // Coded pixels may be drawn as points, which have no back.
-            culls_back_faces: surfels.back_faces == BackFaces::Culled,
-            culls_by_own_normals: surfels.back_faces == BackFaces::Culled && self.style.has_coded_pixels(),
+            culls_back_faces,
+            culls_by_own_normals: culls_back_faces && self.style.has_coded_pixels(),
             reach_radii: to_corner,
             normal_bits: codes.normal_bits.bits(),
             offset_bits: codes.offset_bits.bits(),

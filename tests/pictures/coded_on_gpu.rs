@@ -58,7 +58,7 @@ fn psnr(a: &RgbaImage, b: &RgbaImage) -> f64 {
     psnr_db(mean_squared_error(a, b).unwrap())
 }
 
-/// The same packet with the records that the CPU decodes.
+/// Packet with the records that the CPU decodes.
 fn decoded(packet: &ScenePacket) -> ScenePacket {
     packet.with_surfels_of(packet.content.coded().unwrap())
 }

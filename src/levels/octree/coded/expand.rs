@@ -88,7 +88,7 @@ impl CodeView {
     }
 
     fn normal_of(&self, attributes: NodeAttributes) -> Vec3 {
-        self.normals()[coarser_normal(attributes.normal(), self.normal_bits) as usize]
+        normal_of(attributes, self.normal_bits)
     }
 
     fn offset_from_eye(&self, position: Vec3) -> Vec3 {
@@ -160,7 +160,7 @@ impl CodedCloud {
     pub fn surfel(&self, node: CodeNode, normal_bits: u32, offset_bits: u32) -> (PointRecord, ShapeRecord) {
         let attributes = self.attributes[node.number as usize];
         let edge = self.cube.cell_edge(node.level);
-        let normal = quantised_normals(normal_bits)[coarser_normal(attributes.normal(), normal_bits) as usize];
+        let normal = normal_of(attributes, normal_bits);
         let offset = offset_of_code(attributes.offset_code(), offset_bits) * edge;
         let [red, green, blue] = attributes.color;
         let point = PointRecord {
@@ -183,6 +183,11 @@ impl CodedCloud {
             .map(|node| self.surfel(node, view.normal_bits, view.offset_bits))
             .unzip()
     }
+}
+
+/// The normal of a node, with this number of bits.
+fn normal_of(attributes: NodeAttributes, bits: u32) -> Vec3 {
+    quantised_normals(bits)[coarser_normal(attributes.normal(), bits) as usize]
 }
 
 /// Returns true if all normals in the cone of a node face away from an eye, wherever they are in a sphere.
